@@ -1,0 +1,177 @@
+"""Verglas' render core: scene-linear pictures of rough glass, with no knowledge of Blender.
+
+Arrays are numpy, C-contiguous; other dtypes and layouts are converted. Pictures have row 0 at the
+BOTTOM (OpenGL and Blender order). World space is right-handed with Z up; matrices are row-major
+numpy arrays that act on column vectors (as Blender's ``Matrix``).
+
+Nothing here prints. What was mended in the input stands in ``warnings`` of the object concerned,
+each a whole sentence that names the mesh or file. What cannot be mended raises ``Error``.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__version__: str
+
+class Error(RuntimeError):
+    """A fault with one sentence for the user; it names the object, material, file or pass."""
+
+class Mesh:
+    """Triangles with normals. Immutable; give the same Mesh again and it isn't uploaded again.
+
+    positions: (V, 3) float32, object space. normals: (V, 3) float32, need not be of unit length.
+    triangles: (T, 3) uint32, counter-clockwise seen from outside. slots: (T,) uint16, the
+    triangle's material slot, all 0 when left out.
+    Triangles with a vertex that isn't finite, or without area, are left out, with a warning each
+    kind. Zero or non-finite normals are replaced by the triangle's own. Indices out of range raise Error.
+    A mesh without triangles is valid and draws nothing.
+    """
+    def __init__(
+        self,
+        name: str,
+        positions: ArrayLike,
+        normals: ArrayLike,
+        triangles: ArrayLike,
+        slots: ArrayLike | None = None,
+    ) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def warnings(self) -> list[str]: ...
+
+class Material:
+    """A rough dielectric (Walter et al. 2007). All attributes can be read and set."""
+
+    name: str
+    ndf: str
+    """'BECKMANN' (default), 'GGX' or 'BLINN_PHONG'; the last with exponent 2 / roughness^4 - 2."""
+    roughness: float
+    """Blender's slider, 0 … 1; alpha = roughness^2. Default 0.5."""
+    ior: float
+    """Index of refraction inside, relative to the outside, 1/3 … 3 (clamped). Default 1.5."""
+    color: Sequence[float]
+    """Linear RGB factor of every refraction, entering and leaving (so its square for a solid)."""
+    reflection_color: Sequence[float]
+    """Linear RGB factor of the front reflection."""
+    fresnel: bool
+    """True (Glass): (1 - F) is refracted, F reflected. False (Refraction): all is refracted, nothing reflected."""
+    absorption: Sequence[float]
+    """sigma_a, RGB, per world unit: Beer-Lambert factor exp(-sigma_a distance) inside. Default 0."""
+    def __init__(self, name: str = "") -> None: ...
+
+class EnvironmentMap:
+    """An equirectangular picture of light from far away, of any resolution.
+
+    Blender's orientation: direction +Z is the top row, the middle column looks along +X,
+    u = 1/2 - atan2(y, x) / (2 pi). Texels that are NaN, negative or infinite are cleaned, with a warning.
+    """
+    def __init__(self, name: str, pixels: ArrayLike) -> None:
+        """pixels: (H, W, 3 or 4) float32, scene-linear, row 0 at the bottom; alpha is ignored."""
+    @staticmethod
+    def load(path: str, srgb: bool = False) -> EnvironmentMap:
+        """Any file that OpenImageIO reads; srgb: its values are sRGB-encoded. Raises Error with the path."""
+    @property
+    def name(self) -> str: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def warnings(self) -> list[str]: ...
+
+class Camera:
+    view: NDArray[np.float32]
+    """(4, 4) world -> camera; the camera looks along -Z (Blender's ``matrix_world.inverted()``, no scale)."""
+    projection: NDArray[np.float32]
+    """(4, 4) OpenGL projection, perspective or orthographic (``Object.calc_matrix_camera``)."""
+    def __init__(self, view: ArrayLike | None = None, projection: ArrayLike | None = None) -> None: ...
+
+class Scene:
+    """What is rendered. Objects and materials are plain lists, in any order."""
+
+    camera: Camera
+    environment_map: EnvironmentMap | None
+    environment_color: Sequence[float]
+    """RGB radiance without a map; with one, the factor on it (strength). Default (0, 0, 0)."""
+    environment_rotation: NDArray[np.float32]
+    """(3, 3): map direction = rotation @ world direction. Default identity."""
+    def __init__(self) -> None: ...
+    def add_material(self, material: Material) -> int:
+        """A copy of it as it is now; returns its index."""
+    def add_object(self, name: str, mesh: Mesh, matrix: ArrayLike, materials: Sequence[int]) -> None:
+        """matrix: (4, 4) object -> world, mirrored ones too. materials: material index of every slot;
+        slots past the end take the last. Raises Error when empty, out of range or not finite."""
+
+class Settings:
+    width: int
+    height: int
+    """Whole frame in pixels, 1 … 16384 (the driver's limit may be lower). Default 512 x 512."""
+    region: tuple[int, int, int, int] | None
+    """(x, y, width, height) in pixels from the lower left: only this part is shaded and returned. Default whole."""
+    samples: int
+    """Jittered samples a pixel, 1 … 65536. Default 16. The first looks through the pixel's centre."""
+    filter_width: float
+    """Width of the Blackman-Harris pixel filter in pixels, 0.01 … 10. Default 1.5 (Cycles' default)."""
+    transport: str
+    """'BUNDLE' (default), 'PAPER' or 'SINGLE' (method: three ways to cross the object)."""
+    intersection: str
+    """'NEWTON' (default) or 'MARCH'."""
+    tir: str
+    """Total internal reflection: 'NONE', 'INCIDENT' or 'CLAMP' (default)."""
+    reflection: bool
+    """Whether the front reflection of materials with fresnel is part of the picture. Default True."""
+    transparent: bool
+    """Film without background: alpha 0 where no object is. Default False."""
+    def __init__(self) -> None: ...
+
+class Frame:
+    """Premultiplied alpha, scene-linear."""
+
+    @property
+    def combined(self) -> NDArray[np.float32]:
+        """(H, W, 4)"""
+    @property
+    def depth(self) -> NDArray[np.float32]:
+        """(H, W) distance along the camera's axis at the pixel's centre; 1e10 where no object is."""
+    @property
+    def normal(self) -> NDArray[np.float32]:
+        """(H, W, 3) world space, at the pixel's centre; 0 where no object is."""
+    @property
+    def seconds(self) -> float:
+        """Wall time of the passes and readback, without uploads and table or environment work."""
+    @property
+    def pass_seconds(self) -> dict[str, float]:
+        """GPU time by pass, summed over samples: 'back_faces', 'front_faces', 'refraction', …"""
+
+class Renderer:
+    """Owns the GL thread and what has been uploaded. Raises Error with one sentence where EGL or
+    OpenGL 4.5 is missing. Environment variable VERGLAS_EGL_DEVICE picks a device by number."""
+    def __init__(self) -> None: ...
+    @property
+    def device(self) -> str:
+        """The driver's name for what renders, as 'llvmpipe (LLVM 15.0.6, 256 bits)'."""
+    def render(
+        self,
+        scene: Scene,
+        settings: Settings,
+        progress: Callable[[int, int], bool] | None = None,
+    ) -> Frame | None:
+        """Waits for the picture, with the GIL released. progress(done, total) is called after each
+        sample on the calling thread; when it returns False the render ends and None is returned."""
+
+class Lobe:
+    """A lobe in the plane of incidence: energy W, angle of its mean direction from the (flipped)
+    normal in radians, concentration kappa."""
+    @property
+    def energy(self) -> float: ...
+    @property
+    def angle(self) -> float: ...
+    @property
+    def kappa(self) -> float: ...
+
+NDFS: Final[tuple[str, ...]]

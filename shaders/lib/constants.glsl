@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The files of this folder are GLSL and, through core/math/glsl.h, C++: float literals carry an f, no
+// swizzles, and SHARED before every function (nothing in GLSL, `inline` in C++).
+
+const float PI = 3.14159265358979f;
+
+// Normal distributions of microfacets (Walter et al. 2007, section 5.2).
+const int NDF_BECKMANN = 0;
+const int NDF_GGX = 1;
+const int NDF_BLINN_PHONG = 2;
+
+// What becomes of rays beyond the critical angle (de Rousiers et al. 2012, Fig. 18).
+const int TIR_NONE = 0;
+const int TIR_INCIDENT = 1;
+const int TIR_CLAMP = 2;

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/material/lobe_tables.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <random>
+
+#include "core/material/lobe_model.h"
+#include "tests/core/reference_lobes.h"
+
+namespace verglas {
+namespace {
+
+using glm::vec3;
+
+std::shared_ptr<const LobeTables> tables_of(Ndf ndf) {
+    static std::map<Ndf, std::shared_ptr<const LobeTables>> cache;
+    auto& tables = cache[ndf];
+    if (!tables) tables = LobeTables::build(ndf);
+    return tables;
+}
+
+struct Point {
+    Ndf ndf;
+    LobeEvent event;
+    float eta;
+    float roughness;
+    float cosine;
+};
+
+// Half of the points anywhere, a quarter close to the critical angle (or grazing), a quarter grazing.
+Point draw_point(std::mt19937& random) {
+    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+    Point point{};
+    point.ndf = static_cast<Ndf>(random() % 3);
+    point.event = static_cast<LobeEvent>(random() % 3);
+    point.eta = std::pow(3.0F, 2.0F * unit(random) - 1.0F);
+    point.roughness = 0.02F + 0.98F * unit(random);
+    const float u = unit(random);
+    const float critical = model::critical_cosine(point.eta);
+    switch (random() % 4) {
+        case 0: point.cosine = glm::clamp(critical + 0.1F * (u - 0.5F), 0.01F, 1.0F); break;
+        case 1: point.cosine = 0.01F + 0.14F * u; break;
+        default: point.cosine = 0.01F + 0.99F * u; break;
+    }
+    return point;
+}
+
+struct Errors {
+    double energy;
+    double degrees;
+    double kappa;
+    double truth;
+};
+
+Errors measure(const Point& p) {
+    model::LobeModel lobes({tables_of(p.ndf)->slice(p.eta, p.event)});
+    const vec3 d(-std::sqrt(1.0F - p.cosine * p.cosine), 0.0F, -p.cosine);
+    const vec3 n(0.0F, 0.0F, 1.0F);
+    const model::Lobe lobe = p.event == LobeEvent::Reflect
+                                 ? lobes.reflected_lobe(0, p.eta, p.roughness, d, n)
+                                 : lobes.refracted_lobe(0, p.eta, p.roughness, d, n, model::TIR_NONE);
+    const auto truth = reference::integrate(p.ndf, p.roughness * p.roughness, p.eta, p.event, p.cosine);
+    Errors errors{std::abs(lobe.energy - truth.energy), 0.0, 0.0, truth.energy};
+    // A lobe that carries next to nothing has no direction worth asking for.
+    if (truth.energy > 1e-3) {
+        const double cosine = glm::dot(glm::dvec3(lobe.direction), truth.direction());
+        errors.degrees = glm::degrees(std::acos(std::min(cosine, 1.0)));
+        const double kappa = model::kappa_from_spread(static_cast<float>(truth.spread()));
+        errors.kappa = std::abs(model::kappa_from_spread(lobe.spread) / kappa - 1.0);
+    }
+    return errors;
+}
+
+// A user loses: glass as bright, as bent and as blurred as the microfacet model says, from every side.
+TEST(LobeTables, AgreeWithIntegrationOverDirections) {
+    std::mt19937 random(2012);
+    int within = 0;
+    constexpr int points = 200;
+    for (int i = 0; i < points; ++i) {
+        const Point p = draw_point(random);
+        const Errors e = measure(p);
+        const bool good = e.energy <= 0.01 && e.degrees <= 0.5 && e.kappa <= 0.05;
+        within += good ? 1 : 0;
+        const auto text = ::testing::Message()
+                          << "ndf " << static_cast<int>(p.ndf) << " event " << static_cast<int>(p.event)
+                          << " eta " << p.eta << " roughness " << p.roughness << " cosine " << p.cosine
+                          << ": energy off by " << e.energy << ", " << e.degrees << " degrees, kappa by " << e.kappa << " W " << e.truth;
+        if (!good) std::cout << text << "\n";
+        EXPECT_LE(e.energy, 0.03) << text;
+        EXPECT_LE(e.degrees, 1.5) << text;
+        EXPECT_LE(e.kappa, 0.15) << text;
+    }
+    std::cout << within << " of " << points << " points within 0.01, 0.5 degrees and 5 %\n";
+    EXPECT_GE(within, 190);
+}
+
+}  // namespace
+}  // namespace verglas
