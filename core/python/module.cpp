@@ -1,2 +1,289 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Python bindings; verglas_core.pyi documents them.
+#include <pybind11/functional.h>
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
-PYBIND11_MODULE(verglas_core, m) {}
+#include <pybind11/stl.h>
+
+#include <array>
+#include <glm/gtc/type_ptr.hpp>
+#include <utility>
+
+#include "core/error.h"
+#include "core/renderer.h"
+
+namespace py = pybind11;
+
+namespace verglas {
+namespace {
+
+template <typename T>
+using Array = py::array_t<T, py::array::c_style | py::array::forcecast>;
+
+// Rows of an (N, columns) array as vectors of another type.
+template <typename Vector, typename T>
+std::vector<Vector> rows_of(const Array<T>& array, int columns, const char* what) {
+    if (array.ndim() != 2 || array.shape(1) != columns)
+        throw Error(std::string(what) + " must have the shape (N, " + std::to_string(columns) + ").");
+    const auto* first = reinterpret_cast<const Vector*>(array.data());
+    return {first, first + array.shape(0)};
+}
+
+// numpy's matrices are row-major, GLM's column-major.
+template <typename Matrix>
+Matrix matrix_of(const Array<float>& array) {
+    constexpr int n = Matrix::length();
+    if (array.ndim() != 2 || array.shape(0) != n || array.shape(1) != n)
+        throw Error("A matrix must have the shape (" + std::to_string(n) + ", " + std::to_string(n) + ").");
+    Matrix matrix;
+    for (int row = 0; row < n; ++row) {
+        for (int column = 0; column < n; ++column) matrix[column][row] = array.at(row, column);
+    }
+    return matrix;
+}
+
+template <typename Matrix>
+Array<float> array_of(const Matrix& matrix) {
+    constexpr int n = Matrix::length();
+    Array<float> array({n, n});
+    for (int row = 0; row < n; ++row) {
+        for (int column = 0; column < n; ++column) array.mutable_at(row, column) = matrix[column][row];
+    }
+    return array;
+}
+
+using Rgb = std::array<float, 3>;
+glm::vec3 vector_of(const Rgb& rgb) { return {rgb[0], rgb[1], rgb[2]}; }
+Rgb rgb_of(const glm::vec3& v) { return {v.r, v.g, v.b}; }
+
+// Names of an enumeration's values, in their order.
+constexpr std::array<const char*, 3> ndf_names = {"BECKMANN", "GGX", "BLINN_PHONG"};
+constexpr std::array<const char*, 3> transport_names = {"BUNDLE", "PAPER", "SINGLE"};
+constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
+constexpr std::array<const char*, 3> tir_names = {"NONE", "INCIDENT", "CLAMP"};
+
+template <typename Enum, std::size_t N>
+Enum enum_of(const std::array<const char*, N>& names, const std::string& name) {
+    std::string all;
+    for (std::size_t i = 0; i < N; ++i) {
+        if (name == names[i]) return static_cast<Enum>(i);
+        all += std::string(i == 0 ? "" : ", ") + names[i];
+    }
+    throw Error("'" + name + "' is none of " + all + ".");
+}
+
+template <typename Class, typename Enum, std::size_t N>
+void def_enum(py::class_<Class>& cls, const char* property, Enum Class::*member,
+              const std::array<const char*, N>& names) {
+    cls.def_property(
+        property, [member, &names](const Class& self) { return names[static_cast<int>(self.*member)]; },
+        [member, &names](Class& self, const std::string& name) { self.*member = enum_of<Enum>(names, name); });
+}
+
+template <typename Class>
+void def_rgb(py::class_<Class>& cls, const char* property, glm::vec3 Class::*member) {
+    cls.def_property(
+        property, [member](const Class& self) { return rgb_of(self.*member); },
+        [member](Class& self, const Rgb& rgb) { self.*member = vector_of(rgb); });
+}
+
+template <typename Class, typename Matrix>
+void def_matrix(py::class_<Class>& cls, const char* property, Matrix Class::*member) {
+    cls.def_property(
+        property, [member](const Class& self) { return array_of(self.*member); },
+        [member](Class& self, const Array<float>& array) { self.*member = matrix_of<Matrix>(array); });
+}
+
+std::shared_ptr<Mesh> make_mesh(const std::string& name, const Array<float>& positions, const Array<float>& normals,
+                                const Array<std::uint32_t>& triangles,
+                                const std::optional<Array<std::uint16_t>>& slots) {
+    auto p = rows_of<glm::vec3>(positions, 3, "positions");
+    auto n = rows_of<glm::vec3>(normals, 3, "normals");
+    const auto t = rows_of<glm::uvec3>(triangles, 3, "triangles");
+    std::vector<std::uint16_t> s;
+    if (slots) s.assign(slots->data(), slots->data() + slots->size());
+    const py::gil_scoped_release release;
+    return std::make_shared<Mesh>(name, std::move(p), std::move(n), t, s);
+}
+
+std::shared_ptr<EnvironmentMap> make_map(const std::string& name, const Array<float>& pixels) {
+    if (pixels.ndim() != 3 || (pixels.shape(2) != 3 && pixels.shape(2) != 4))
+        throw Error("The environment map '" + name + "' must have the shape (H, W, 3 or 4).");
+    const py::ssize_t channels = pixels.shape(2);
+    std::vector<glm::vec3> rgb(pixels.shape(0) * pixels.shape(1));
+    for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = glm::make_vec3(pixels.data() + i * channels);
+    return std::make_shared<EnvironmentMap>(name, static_cast<int>(pixels.shape(1)),
+                                            static_cast<int>(pixels.shape(0)), std::move(rgb));
+}
+
+void add_object(Scene& scene, const std::string& name, std::shared_ptr<Mesh> mesh, const Array<float>& matrix,
+                const std::vector<int>& materials) {
+    Object object{name, std::move(mesh), matrix_of<glm::mat4>(matrix), materials};
+    for (int column = 0; column < 4; ++column) {
+        for (int row = 0; row < 4; ++row) {
+            if (!std::isfinite(object.matrix[column][row]))
+                throw Error("Object '" + name + "' has a matrix with values that aren't finite numbers.");
+        }
+    }
+    if (materials.empty()) throw Error("Object '" + name + "' has no material.");
+    for (const int material : materials) {
+        if (material < 0 || material >= static_cast<int>(scene.materials.size()))
+            throw Error("Object '" + name + "' has a material that the scene doesn't know.");
+    }
+    scene.objects.push_back(std::move(object));
+}
+
+// A view of part of the pixels, which keeps the frame alive: `count` channels from `first`, none for a plane.
+py::array_t<float> channels(const py::object& self, const std::vector<glm::vec4>& pixels, glm::ivec2 size, int first,
+                            int count) {
+    const auto step = static_cast<py::ssize_t>(sizeof(glm::vec4));
+    const float* data = reinterpret_cast<const float*>(pixels.data()) + first;
+    if (count == 1) return py::array_t<float>({size.y, size.x}, {step * size.x, step}, data, self);
+    return py::array_t<float>({size.y, size.x, count}, {step * size.x, step, py::ssize_t{sizeof(float)}}, data, self);
+}
+
+std::optional<Frame> render(Renderer& renderer, const Scene& scene, const Settings& settings,
+                            const std::optional<std::function<bool(int, int)>>& progress) {
+    const py::gil_scoped_release release;
+    if (!progress) return renderer.render(scene, settings);
+    return renderer.render(scene, settings, [&progress](int done, int total) {
+        const py::gil_scoped_acquire acquire;
+        return (*progress)(done, total);
+    });
+}
+
+void bind_scene(py::module_& module) {
+    py::class_<Mesh, std::shared_ptr<Mesh>>(module, "Mesh")
+        .def(py::init(&make_mesh), py::arg("name"), py::arg("positions"), py::arg("normals"), py::arg("triangles"),
+             py::arg("slots") = py::none())
+        .def_property_readonly("name", &Mesh::name)
+        .def_property_readonly("triangle_count", &Mesh::triangle_count)
+        .def_property_readonly("warnings", &Mesh::warnings);
+
+    py::class_<Material> material(module, "Material");
+    material.def(py::init([](const std::string& name) {
+                     Material result;
+                     result.name = name;
+                     return result;
+                 }),
+                 py::arg("name") = "");
+    material.def_readwrite("name", &Material::name)
+        .def_readwrite("roughness", &Material::roughness)
+        .def_readwrite("ior", &Material::ior)
+        .def_readwrite("fresnel", &Material::fresnel);
+    def_enum(material, "ndf", &Material::ndf, ndf_names);
+    def_rgb(material, "color", &Material::color);
+    def_rgb(material, "reflection_color", &Material::reflection_color);
+    def_rgb(material, "absorption", &Material::absorption);
+
+    py::class_<EnvironmentMap, std::shared_ptr<EnvironmentMap>>(module, "EnvironmentMap")
+        .def(py::init(&make_map), py::arg("name"), py::arg("pixels"))
+        .def_static(
+            "load",
+            [](const std::string& path, bool srgb) {
+                const py::gil_scoped_release release;
+                return std::const_pointer_cast<EnvironmentMap>(EnvironmentMap::load(path, srgb));
+            },
+            py::arg("path"), py::arg("srgb") = false)
+        .def_property_readonly("name", &EnvironmentMap::name)
+        .def_property_readonly("width", &EnvironmentMap::width)
+        .def_property_readonly("height", &EnvironmentMap::height)
+        .def_property_readonly("warnings", &EnvironmentMap::warnings);
+
+    py::class_<Camera> camera(module, "Camera");
+    camera.def(py::init([](const std::optional<Array<float>>& view, const std::optional<Array<float>>& projection) {
+                   Camera result;
+                   if (view) result.view = matrix_of<glm::mat4>(*view);
+                   if (projection) result.projection = matrix_of<glm::mat4>(*projection);
+                   return result;
+               }),
+               py::arg("view") = py::none(), py::arg("projection") = py::none());
+    def_matrix(camera, "view", &Camera::view);
+    def_matrix(camera, "projection", &Camera::projection);
+
+    py::class_<Scene> scene(module, "Scene");
+    scene.def(py::init<>())
+        .def_readwrite("camera", &Scene::camera)
+        .def_property(
+            "environment_map",
+            [](const Scene& self) { return std::const_pointer_cast<EnvironmentMap>(self.environment_map); },
+            [](Scene& self, std::shared_ptr<EnvironmentMap> map) { self.environment_map = std::move(map); })
+        .def("add_material",
+             [](Scene& self, const Material& added) {
+                 self.materials.push_back(added);
+                 return static_cast<int>(self.materials.size()) - 1;
+             })
+        .def("add_object", &add_object, py::arg("name"), py::arg("mesh"), py::arg("matrix"), py::arg("materials"));
+    def_rgb(scene, "environment_color", &Scene::environment_color);
+    def_matrix(scene, "environment_rotation", &Scene::environment_rotation);
+}
+
+void bind_settings(py::module_& module) {
+    py::class_<Settings> settings(module, "Settings");
+    settings.def(py::init<>())
+        .def_property(
+            "width", [](const Settings& self) { return self.size.x; },
+            [](Settings& self, int width) { self.size.x = width; })
+        .def_property(
+            "height", [](const Settings& self) { return self.size.y; },
+            [](Settings& self, int height) { self.size.y = height; })
+        .def_property(
+            "region",
+            [](const Settings& self) -> std::optional<std::array<int, 4>> {
+                if (!self.region) return std::nullopt;
+                const Rect& r = *self.region;
+                return std::array<int, 4>{r.begin.x, r.begin.y, r.size().x, r.size().y};
+            },
+            [](Settings& self, const std::optional<std::array<int, 4>>& region) {
+                self.region.reset();
+                if (!region) return;
+                const auto [x, y, width, height] = *region;
+                self.region = Rect{{x, y}, {x + width, y + height}};
+            })
+        .def_readwrite("samples", &Settings::samples)
+        .def_readwrite("filter_width", &Settings::filter_width)
+        .def_readwrite("reflection", &Settings::reflection)
+        .def_readwrite("transparent", &Settings::transparent);
+    def_enum(settings, "transport", &Settings::transport, transport_names);
+    def_enum(settings, "intersection", &Settings::intersection, intersection_names);
+    def_enum(settings, "tir", &Settings::tir, tir_names);
+}
+
+void bind_renderer(py::module_& module) {
+    py::class_<Frame>(module, "Frame")
+        .def_property_readonly("combined",
+                               [](const py::object& self) {
+                                   const auto& frame = self.cast<const Frame&>();
+                                   return channels(self, frame.combined, frame.size, 0, 4);
+                               })
+        .def_property_readonly("depth",
+                               [](const py::object& self) {
+                                   const auto& frame = self.cast<const Frame&>();
+                                   return channels(self, frame.normal_depth, frame.size, 3, 1);
+                               })
+        .def_property_readonly("normal",
+                               [](const py::object& self) {
+                                   const auto& frame = self.cast<const Frame&>();
+                                   return channels(self, frame.normal_depth, frame.size, 0, 3);
+                               })
+        .def_readonly("seconds", &Frame::seconds)
+        .def_readonly("pass_seconds", &Frame::pass_seconds);
+
+    // The destructor waits for the GL thread, which needs no GIL.
+    py::class_<Renderer>(module, "Renderer")
+        .def(py::init<>(), py::call_guard<py::gil_scoped_release>())
+        .def_property_readonly("device", &Renderer::device)
+        .def("render", &render, py::arg("scene"), py::arg("settings"), py::arg("progress") = py::none());
+}
+
+}  // namespace
+}  // namespace verglas
+
+PYBIND11_MODULE(verglas_core, module) {
+    module.doc() = "Verglas' render core.";
+    module.attr("__version__") = VERGLAS_VERSION;
+    py::register_exception<verglas::Error>(module, "Error", PyExc_RuntimeError);
+    verglas::bind_scene(module);
+    verglas::bind_settings(module);
+    verglas::bind_renderer(module);
+}

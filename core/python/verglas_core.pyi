@@ -9,7 +9,6 @@ each a whole sentence that names the mesh or file. What cannot be mended raises 
 """
 
 from collections.abc import Callable, Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -163,15 +162,3 @@ class Renderer:
     ) -> Frame | None:
         """Waits for the picture, with the GIL released. progress(done, total) is called after each
         sample on the calling thread; when it returns False the render ends and None is returned."""
-
-class Lobe:
-    """A lobe in the plane of incidence: energy W, angle of its mean direction from the (flipped)
-    normal in radians, concentration kappa."""
-    @property
-    def energy(self) -> float: ...
-    @property
-    def angle(self) -> float: ...
-    @property
-    def kappa(self) -> float: ...
-
-NDFS: Final[tuple[str, ...]]

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/passes/geometry.h"
+
+#include <glm/gtc/type_ptr.hpp>
+
+namespace verglas {
+namespace {
+
+void scissor(const Rect& rect) {
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(rect.begin.x, rect.begin.y, rect.size().x, rect.size().y);
+}
+
+}  // namespace
+
+GeometryBuffer::GeometryBuffer(glm::ivec2 size)
+    : texels_(GL_RGBA32F, size.x, size.y, GL_NEAREST),
+      depth_(GL_DEPTH_COMPONENT32F, size.x, size.y, GL_NEAREST),
+      framebuffer_({{texels_}}, &depth_) {}
+
+GeometryPass::GeometryPass() : program_("geometry.vert.glsl", "geometry.frag.glsl") {}
+
+void GeometryPass::clear(const GeometryBuffer& buffer, Faces faces, const Rect& rect) const {
+    scissor(rect);
+    const glm::vec4 nothing(0.0F, 0.0F, 0.0F, -1.0F);
+    const float depth = faces == Faces::Front ? 1.0F : 0.0F;
+    glDepthMask(GL_TRUE);
+    glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_COLOR, 0, glm::value_ptr(nothing));
+    glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_DEPTH, 0, &depth);
+}
+
+void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group,
+                        int number) const {
+    glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer().id());
+    glViewport(0, 0, view.size.x, view.size.y);
+    scissor(group.rect);
+    glDisable(GL_BLEND);
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_TRUE);
+    glDepthFunc(faces == Faces::Front ? GL_LESS : GL_GREATER);
+    glEnable(GL_CULL_FACE);
+    glCullFace(faces == Faces::Front ? GL_BACK : GL_FRONT);
+    program_.use();
+    program_.set("projection", view.projection);
+    program_.set("group", faces == Faces::Front ? number : 0);
+    for (const ViewObject& item : group.objects) {
+        // A mirrored object turns its triangles inside out.
+        const glm::mat3 linear(item.model_to_view);
+        const float handedness = glm::determinant(linear);
+        glFrontFace(handedness < 0.0F ? GL_CW : GL_CCW);
+        program_.set("model_to_view", item.model_to_view);
+        // Cofactors: the inverse transpose up to scale, for flattened objects too.
+        const glm::mat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                                  glm::cross(linear[0], linear[1]));
+        program_.set("normal_to_view", handedness < 0.0F ? -cofactors : cofactors);
+        glBindVertexArray(item.mesh->array.id());
+        const std::vector<int>& materials = item.object->materials;
+        for (const MeshPart& part : item.object->mesh->parts()) {
+            const int slot = std::min(part.slot, static_cast<int>(materials.size()) - 1);
+            program_.set("material", materials[slot]);
+            glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.count), GL_UNSIGNED_INT,
+                           reinterpret_cast<const void*>(std::uintptr_t{part.first} * sizeof(std::uint32_t)));
+        }
+    }
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_DEPTH_TEST);
+}
+
+}  // namespace verglas

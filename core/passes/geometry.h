@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/gl/objects.h"
+#include "core/gl/program.h"
+#include "core/passes/view.h"
+
+namespace verglas {
+
+// A geometry buffer: normal, depth and index of the nearest front or farthest back faces
+// (shaders/geometry_buffer.glsl).
+class GeometryBuffer {
+  public:
+    explicit GeometryBuffer(glm::ivec2 size);
+    const gl::Texture& texels() const { return texels_; }
+    const gl::Framebuffer& framebuffer() const { return framebuffer_; }
+
+  private:
+    gl::Texture texels_;
+    gl::Texture depth_;
+    gl::Framebuffer framebuffer_;
+};
+
+enum class Faces { Front, Back };
+
+// Rasterises objects into geometry buffers: front faces, the nearest, or back faces, the farthest (de Rousiers et
+// al. 2012, first pass).
+class GeometryPass {
+  public:
+    GeometryPass();
+    // Empties a part of a buffer.
+    void clear(const GeometryBuffer& buffer, Faces faces, const Rect& rect) const;
+    // Adds the objects of a group. Front faces carry the group's number beside that of their material.
+    void draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group, int number) const;
+
+  private:
+    gl::Program program_;
+};
+
+}  // namespace verglas

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/passes/gpu_scene.h"
+
+#include <algorithm>
+#include <unordered_set>
+#include <utility>
+
+#include "core/gl/debug.h"
+
+namespace verglas {
+namespace {
+
+GpuMesh upload(const Mesh& mesh) {
+    struct Vertex {
+        glm::vec3 position;
+        glm::vec3 normal;
+    };
+    std::vector<Vertex> vertices;
+    vertices.reserve(mesh.positions().size());
+    for (std::size_t v = 0; v < mesh.positions().size(); ++v)
+        vertices.push_back({mesh.positions()[v], mesh.normals()[v]});
+
+    GpuMesh result;
+    result.vertices = gl::make_buffer(vertices.size() * sizeof(Vertex), vertices.data());
+    result.indices = gl::make_buffer(mesh.indices().size() * sizeof(std::uint32_t), mesh.indices().data());
+    result.array = gl::make_vertex_array();
+    const GLuint array = result.array.id();
+    glVertexArrayVertexBuffer(array, 0, result.vertices.id(), 0, sizeof(Vertex));
+    glVertexArrayElementBuffer(array, result.indices.id());
+    for (GLuint attribute = 0; attribute < 2; ++attribute) {
+        glEnableVertexArrayAttrib(array, attribute);
+        glVertexArrayAttribFormat(array, attribute, 3, GL_FLOAT, GL_FALSE, attribute * sizeof(glm::vec3));
+        glVertexArrayAttribBinding(array, attribute, 0);
+    }
+    return result;
+}
+
+// As `struct Material` of shaders/refraction.frag.glsl, std430.
+struct MaterialData {
+    glm::vec4 color_roughness;
+    glm::vec4 reflection_ior;
+    glm::vec4 absorption;
+    glm::ivec4 tables;
+};
+
+}  // namespace
+
+void MeshCache::update(const Scene& scene) {
+    const gl::PassScope scope("upload of meshes");
+    std::unordered_map<std::shared_ptr<const Mesh>, GpuMesh> kept;
+    for (const Object& object : scene.objects) {
+        if (object.mesh->indices().empty() || kept.count(object.mesh) > 0) continue;
+        const auto known = meshes_.find(object.mesh);
+        kept.emplace(object.mesh, known != meshes_.end() ? std::move(known->second) : upload(*object.mesh));
+    }
+    meshes_ = std::move(kept);
+    scope.check();
+}
+
+void MaterialCache::update(const std::vector<Material>& materials) {
+    const gl::PassScope scope("upload of materials");
+    std::vector<SliceKey> keys;
+    const auto layer_of = [&keys](Ndf ndf, float eta, LobeEvent event) {
+        const SliceKey key(ndf, eta, event);
+        const auto found = std::find(keys.begin(), keys.end(), key);
+        if (found != keys.end()) return static_cast<int>(found - keys.begin());
+        keys.push_back(key);
+        return static_cast<int>(keys.size()) - 1;
+    };
+    std::vector<MaterialData> data;
+    for (const Material& material : materials) {
+        const LobeEvent refraction = material.fresnel ? LobeEvent::Refract : LobeEvent::RefractWithout;
+        const float ior = std::clamp(material.ior, 1.0F / max_eta, max_eta);
+        const int entering = layer_of(material.ndf, ior, refraction);
+        const int leaving = layer_of(material.ndf, 1.0F / ior, refraction);
+        const int mirror = material.fresnel ? layer_of(material.ndf, ior, LobeEvent::Reflect) : -1;
+        data.push_back({{material.color, std::clamp(material.roughness, 0.0F, 1.0F)},
+                        {material.reflection_color, ior},
+                        {material.absorption, 0.0F},
+                        {entering, leaving, mirror, 0}});
+    }
+    if (data.empty()) return;
+    buffer_ = gl::make_buffer(data.size() * sizeof(MaterialData), data.data());
+    if (keys != slices_) upload_slices(keys);
+    scope.check();
+}
+
+void MaterialCache::upload_slices(const std::vector<SliceKey>& keys) {
+    lobe_tables_ = gl::Texture(GL_RGBA32F, model::LOBE_COSINES, model::LOBE_ROUGHNESSES, GL_LINEAR, 1,
+                               static_cast<int>(keys.size()));
+    for (int layer = 0; layer < static_cast<int>(keys.size()); ++layer) {
+        const auto& [ndf, eta, event] = keys[layer];
+        auto& tables = tables_[ndf];
+        if (!tables) tables = LobeTables::load_or_build(ndf, cache_folder_);
+        const LobeSlice slice = tables->slice(eta, event);
+        glTextureSubImage3D(lobe_tables_.id(), 0, 0, 0, layer, model::LOBE_COSINES, model::LOBE_ROUGHNESSES, 1, GL_RGBA,
+                            GL_FLOAT, slice.data());
+    }
+    slices_ = keys;
+}
+
+void EnvironmentCache::update(const std::shared_ptr<const EnvironmentMap>& map) {
+    // Without a map the light is the same from everywhere; its colour is the scene's factor.
+    static const auto white =
+        std::make_shared<const EnvironmentMap>("uniform", 1, 1, std::vector<glm::vec3>{glm::vec3(1.0F)});
+    const auto& wanted = map ? map : white;
+    if (environment_.map != wanted) environment_ = filter_.filter(wanted);
+}
+
+}  // namespace verglas

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a scene needs on the GPU; uploads only what has changed. Lives on the GL thread.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <tuple>
+#include <unordered_map>
+#include <vector>
+
+#include "core/gl/objects.h"
+#include "core/material/lobe_tables.h"
+#include "core/passes/environment_filter.h"
+#include "core/scene/scene.h"
+
+namespace verglas {
+
+struct GpuMesh {
+    gl::Buffer vertices;
+    gl::Buffer indices;
+    gl::VertexArray array;
+};
+
+// Meshes by identity; those that a scene no longer has are dropped.
+class MeshCache {
+  public:
+    void update(const Scene& scene);
+    const GpuMesh& operator[](const std::shared_ptr<const Mesh>& mesh) const { return meshes_.at(mesh); }
+
+  private:
+    std::unordered_map<std::shared_ptr<const Mesh>, GpuMesh> meshes_;
+};
+
+// Materials as a storage buffer, and an array of the lobe tables that they use.
+class MaterialCache {
+  public:
+    explicit MaterialCache(std::filesystem::path cache_folder) : cache_folder_(std::move(cache_folder)) {}
+    void update(const std::vector<Material>& materials);
+    const gl::Buffer& buffer() const { return buffer_; }
+    const gl::Texture& lobe_tables() const { return lobe_tables_; }
+
+  private:
+    using SliceKey = std::tuple<Ndf, float, LobeEvent>;  // distribution, relative index, event
+
+    void upload_slices(const std::vector<SliceKey>& keys);
+
+    std::filesystem::path cache_folder_;
+    std::map<Ndf, std::shared_ptr<const LobeTables>> tables_;
+    std::vector<SliceKey> slices_;  // layers of the array
+    gl::Buffer buffer_;
+    gl::Texture lobe_tables_;
+};
+
+// The environment of the newest scene, prefiltered.
+class EnvironmentCache {
+  public:
+    void update(const std::shared_ptr<const EnvironmentMap>& map);
+    const FilteredEnvironment& operator*() const { return environment_; }
+
+  private:
+    EnvironmentFilter filter_;
+    FilteredEnvironment environment_;
+};
+
+}  // namespace verglas

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/passes/shading.h"
+
+#include <string>
+#include <vector>
+
+#include "core/material/model.h"
+
+namespace verglas {
+namespace {
+
+// Texture units.
+enum Unit : GLuint { front_unit, back_unit, map_unit, atlas_unit, tables_unit, normals_unit, depths_unit, shaded_unit };
+
+void begin(const gl::Framebuffer& target, const View& view, const Rect& rect) {
+    glBindFramebuffer(GL_FRAMEBUFFER, target.id());
+    glViewport(0, 0, view.size.x, view.size.y);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(rect.begin.x, rect.begin.y, rect.size().x, rect.size().y);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+}
+
+void set_texture(const gl::Program& program, const char* name, Unit unit, const gl::Texture& texture) {
+    glBindTextureUnit(unit, texture.id());
+    program.set(name, static_cast<int>(unit));
+}
+
+// The uniforms of shaders/environment.glsl.
+void set_environment(const gl::Program& program, const ShadingInputs& inputs) {
+    const FilteredEnvironment& environment = inputs.environment;
+    set_texture(program, "environment_map", map_unit, environment.raw);
+    set_texture(program, "environment_atlas", atlas_unit, environment.atlas);
+    for (std::size_t l = 0; l < environment.levels.size(); ++l) {
+        const EnvironmentLevel& level = environment.levels[l];
+        program.set(("environment_levels[" + std::to_string(l) + "]").c_str(),
+                    glm::vec3(level.columns, level.intervals, level.first_row));
+    }
+    program.set("environment_level_count", static_cast<int>(environment.levels.size()));
+    program.set("environment_sharpest_kappa", environment.levels.front().kappa);
+    program.set("environment_color", inputs.scene.environment_color);
+    program.set("view_to_environment",
+                inputs.scene.environment_rotation * glm::transpose(glm::mat3(inputs.view.view)));
+}
+
+// The uniforms of shaders/screen_space.glsl.
+void set_screen_space(const gl::Program& program, const ShadingInputs& inputs) {
+    set_texture(program, "front_faces", front_unit, inputs.front.texels());
+    program.set("projection", inputs.view.projection);
+    program.set("frame_size", glm::vec2(inputs.view.size));
+}
+
+}  // namespace
+
+bool RefractionPass::needs_pyramid(const Settings& settings) {
+    return settings.transport == Transport::Paper || settings.intersection == Intersection::March;
+}
+
+const gl::Program& RefractionPass::program(const Settings& settings) {
+    const std::pair key(settings.transport, settings.intersection);
+    const auto found = programs_.find(key);
+    if (found != programs_.end()) return found->second;
+    constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE"};
+    constexpr const char* intersections[] = {"INTERSECTION_NEWTON", "INTERSECTION_MARCH"};
+    const std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
+                                              intersections[static_cast<int>(settings.intersection)]};
+    return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", defines)).first->second;
+}
+
+void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const GeometryBuffer& back,
+                          const PyramidPass* pyramid, const MaterialCache& materials, const ViewGroup& group,
+                          int number) {
+    const gl::Program& shader = program(inputs.settings);
+    shader.use();
+    set_environment(shader, inputs);
+    set_screen_space(shader, inputs);
+    set_texture(shader, "back_faces", back_unit, back.texels());
+    set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
+    if (pyramid != nullptr) {
+        set_texture(shader, "pyramid_normals", normals_unit, pyramid->normals());
+        set_texture(shader, "pyramid_depths", depths_unit, pyramid->depths());
+    }
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());
+    shader.set("group", number);
+    shader.set("tir", static_cast<int>(inputs.settings.tir));
+    shader.set("reflection", inputs.settings.reflection ? 1 : 0);
+    for (const ViewObject& item : group.objects) {
+        begin(target, inputs.view, item.rect);
+        shader.set("bound", item.diagonal);
+        gl::draw_full_screen(empty_);
+    }
+}
+
+BackgroundPass::BackgroundPass()
+    : program_("full_screen.vert.glsl", "background.frag.glsl"), empty_(gl::make_vertex_array()) {}
+
+void BackgroundPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const gl::Texture& shaded,
+                          const Rect& region) const {
+    program_.use();
+    set_environment(program_, inputs);
+    set_screen_space(program_, inputs);
+    set_texture(program_, "shaded", shaded_unit, shaded);
+    program_.set("transparent", inputs.settings.transparent ? 1 : 0);
+    begin(target, inputs.view, region);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    gl::draw_full_screen(empty_);
+    glDisable(GL_BLEND);
+}
+
+DataPass::DataPass() : program_("full_screen.vert.glsl", "data_passes.frag.glsl"), empty_(gl::make_vertex_array()) {}
+
+void DataPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const Rect& region) const {
+    program_.use();
+    set_texture(program_, "front_faces", front_unit, inputs.front.texels());
+    program_.set("view_to_world", glm::transpose(glm::mat3(inputs.view.view)));
+    begin(target, inputs.view, region);
+    gl::draw_full_screen(empty_);
+}
+
+}  // namespace verglas

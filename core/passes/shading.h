@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The passes over the whole frame: refraction, background and data passes.
+#pragma once
+
+#include <map>
+#include <tuple>
+
+#include "core/gl/objects.h"
+#include "core/gl/program.h"
+#include "core/passes/geometry.h"
+#include "core/passes/gpu_scene.h"
+#include "core/passes/pyramid.h"
+#include "core/passes/view.h"
+
+namespace verglas {
+
+// What the shading passes read.
+struct ShadingInputs {
+    const View& view;
+    const Scene& scene;
+    const Settings& settings;
+    const FilteredEnvironment& environment;
+    const GeometryBuffer& front;
+};
+
+// Shades the front faces of a group from its front and back faces (de Rousiers et al. 2012, third pass), once for
+// each covered pixel.
+class RefractionPass {
+  public:
+    RefractionPass() : empty_(gl::make_vertex_array()) {}
+    // Whether the settings need the pyramid over the back faces.
+    static bool needs_pyramid(const Settings& settings);
+    // pyramid may be null where it isn't needed.
+    void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const GeometryBuffer& back,
+              const PyramidPass* pyramid, const MaterialCache& materials, const ViewGroup& group, int number);
+
+  private:
+    const gl::Program& program(const Settings& settings);
+
+    std::map<std::pair<Transport, Intersection>, gl::Program> programs_;
+    gl::VertexArray empty_;
+};
+
+// Completes a sample with the environment where nothing is, and adds it to the frame.
+class BackgroundPass {
+  public:
+    BackgroundPass();
+    void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const gl::Texture& shaded,
+              const Rect& region) const;
+
+  private:
+    gl::Program program_;
+    gl::VertexArray empty_;
+};
+
+// Normals in world space (RGB) and depth (A).
+class DataPass {
+  public:
+    DataPass();
+    void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const Rect& region) const;
+
+  private:
+    gl::Program program_;
+    gl::VertexArray empty_;
+};
+
+}  // namespace verglas

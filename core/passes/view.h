@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "core/passes/gpu_scene.h"
+#include "core/scene/scene.h"
+#include "core/scene/settings.h"
+
+namespace verglas {
+
+// One sample's look at the scene.
+struct View {
+    glm::mat4 view{1.0F};
+    glm::mat4 projection{1.0F};  // with the sample's jitter
+    glm::ivec2 size{0};
+};
+
+// An object in a view.
+struct ViewObject {
+    const Object* object = nullptr;
+    const GpuMesh* mesh = nullptr;
+    glm::mat4 model_to_view{1.0F};
+    Rect rect;            // pixels that it can cover
+    float diagonal = 0;   // of its bounding box in world units
+};
+
+// Objects whose rectangles don't overlap share their passes, and no pixel of one sees the back of another.
+struct ViewGroup {
+    std::vector<ViewObject> objects;
+    Rect rect;  // around all
+};
+
+// The objects that can be seen in the region, in groups.
+std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes, glm::ivec2 size, const Rect& region);
+
+}  // namespace verglas

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/renderer.h"
+
+#include <chrono>
+#include <utility>
+
+#include "core/error.h"
+#include "core/gl/debug.h"
+#include "core/gl/timer.h"
+#include "core/math/pixel_filter.h"
+#include "core/passes/geometry.h"
+#include "core/passes/gpu_scene.h"
+#include "core/passes/pyramid.h"
+#include "core/passes/shading.h"
+#include "core/passes/view.h"
+
+namespace verglas {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+// The pictures of one size.
+struct Targets {
+    explicit Targets(glm::ivec2 frame_size)
+        : size(frame_size),
+          front(size),
+          back(size),
+          shaded(GL_RGBA32F, size.x, size.y, GL_NEAREST),
+          sum(GL_RGBA32F, size.x, size.y, GL_NEAREST),
+          shaded_framebuffer({{shaded}}),
+          sum_framebuffer({{sum}}) {}
+
+    glm::ivec2 size;
+    GeometryBuffer front;
+    GeometryBuffer back;
+    gl::Texture shaded;  // the newest sample's objects; later the data passes
+    gl::Texture sum;     // of all samples
+    gl::Framebuffer shaded_framebuffer;
+    gl::Framebuffer sum_framebuffer;
+};
+
+std::vector<glm::vec4> read(const gl::Texture& texture, const Rect& rect) {
+    std::vector<glm::vec4> pixels(std::size_t(rect.size().x) * rect.size().y);
+    glGetTextureSubImage(texture.id(), 0, rect.begin.x, rect.begin.y, 0, rect.size().x, rect.size().y, 1, GL_RGBA,
+                         GL_FLOAT, static_cast<GLsizei>(pixels.size() * sizeof(glm::vec4)), pixels.data());
+    return pixels;
+}
+
+// Moves the picture so that the pixel's centre looks where `offset` pixels from it lies.
+glm::mat4 jittered(const glm::mat4& projection, glm::vec2 offset, glm::ivec2 size) {
+    glm::mat4 shift(1.0F);
+    shift[3][0] = -2.0F * offset.x / static_cast<float>(size.x);
+    shift[3][1] = -2.0F * offset.y / static_cast<float>(size.y);
+    return shift * projection;
+}
+
+Rect region_of(const Settings& settings) {
+    const Rect frame{glm::ivec2(0), settings.size};
+    return settings.region ? settings.region->intersected(frame) : frame;
+}
+
+void check(const Scene& scene, const Settings& settings) {
+    if (settings.size.x < 1 || settings.size.y < 1) throw Error("A picture needs at least one pixel.");
+    if (settings.samples < 1) throw Error("A picture needs at least one sample.");
+    if (region_of(settings).empty()) throw Error("The render region lies outside of the picture.");
+    for (const Object& object : scene.objects) {
+        for (const int material : object.materials) {
+            if (material < 0 || material >= static_cast<int>(scene.materials.size()))
+                throw Error("Object '" + object.name + "' has a material that the scene doesn't know.");
+        }
+        if (object.materials.empty()) throw Error("Object '" + object.name + "' has no material.");
+    }
+}
+
+}  // namespace
+
+class Renderer::Device {
+  public:
+    Device() : materials_(user_cache_folder()) {}
+
+    void prepare(const Scene& scene, const Settings& settings);
+    void draw_sample(const Scene& scene, const Settings& settings, int sample);
+    Frame finish(const Scene& scene, const Settings& settings);
+
+  private:
+    void draw_data(const ShadingInputs& inputs, const Rect& region);
+
+    GeometryPass geometry_;
+    RefractionPass refraction_;
+    BackgroundPass background_;
+    DataPass data_;
+    std::unique_ptr<PyramidPass> pyramid_;
+    gl::Timers timers_;
+    MeshCache meshes_;
+    MaterialCache materials_;
+    EnvironmentCache environment_;
+    std::unique_ptr<Targets> targets_;
+    std::vector<ViewGroup> groups_;
+    std::vector<glm::vec4> normal_depth_;
+    double seconds_ = 0.0;
+};
+
+void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
+    meshes_.update(scene);
+    materials_.update(scene.materials);
+    environment_.update(scene.environment_map);
+    if (!targets_ || targets_->size != settings.size) {
+        targets_.reset();
+        targets_ = std::make_unique<Targets>(settings.size);
+    }
+    if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();
+    groups_ = group_objects(scene, meshes_, settings.size, region_of(settings));
+    glDisable(GL_SCISSOR_TEST);
+    constexpr float black[4] = {};
+    glClearNamedFramebufferfv(targets_->sum_framebuffer.id(), GL_COLOR, 0, black);
+    timers_.collect();
+    glFinish();
+    seconds_ = 0.0;
+}
+
+void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings, int sample) {
+    const Clock::time_point begin = Clock::now();
+    const gl::PassScope scope("sample");
+    const Rect region = region_of(settings);
+    const glm::vec2 offset = blackman_harris_offset(sample, settings.filter_width);
+    const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size), settings.size};
+    const ShadingInputs inputs{view, scene, settings, *environment_, targets_->front};
+    geometry_.clear(targets_->front, Faces::Front, {glm::ivec2(0), settings.size});
+    for (int number = 0; number < static_cast<int>(groups_.size()); ++number) {
+        const ViewGroup& group = groups_[number];
+        {
+            const gl::PassScope pass("back faces");
+            const gl::Timers::Scope timer(timers_, "back_faces");
+            geometry_.clear(targets_->back, Faces::Back, group.rect);
+            geometry_.draw(targets_->back, Faces::Back, view, group, number);
+            pass.check();
+        }
+        const bool with_pyramid = RefractionPass::needs_pyramid(settings);
+        if (with_pyramid) {
+            const gl::PassScope pass("geometry pyramid");
+            const gl::Timers::Scope timer(timers_, "pyramid");
+            pyramid_->build(targets_->back.texels());
+            pass.check();
+        }
+        {
+            const gl::PassScope pass("front faces");
+            const gl::Timers::Scope timer(timers_, "front_faces");
+            geometry_.draw(targets_->front, Faces::Front, view, group, number);
+            pass.check();
+        }
+        {
+            const gl::PassScope pass("refraction");
+            const gl::Timers::Scope timer(timers_, "refraction");
+            refraction_.draw(inputs, targets_->shaded_framebuffer, targets_->back,
+                             with_pyramid ? pyramid_.get() : nullptr, materials_, group, number);
+            pass.check();
+        }
+    }
+    {
+        const gl::PassScope pass("background");
+        const gl::Timers::Scope timer(timers_, "background");
+        background_.draw(inputs, targets_->sum_framebuffer, targets_->shaded, region);
+        pass.check();
+    }
+    if (sample == 0) draw_data(inputs, region);
+    glFinish();
+    seconds_ += seconds_since(begin);
+}
+
+// Depth and normals come from the sample through the pixel's centre, unfiltered.
+void Renderer::Device::draw_data(const ShadingInputs& inputs, const Rect& region) {
+    const gl::PassScope pass("data passes");
+    const gl::Timers::Scope timer(timers_, "data");
+    data_.draw(inputs, targets_->shaded_framebuffer, region);
+    normal_depth_ = read(targets_->shaded, region);
+    pass.check();
+}
+
+Frame Renderer::Device::finish(const Scene& /*scene*/, const Settings& settings) {
+    const Clock::time_point begin = Clock::now();
+    const gl::PassScope scope("readback");
+    const Rect region = region_of(settings);
+    Frame frame;
+    frame.size = region.size();
+    frame.combined = read(targets_->sum, region);
+    const float share = 1.0F / static_cast<float>(settings.samples);
+    for (glm::vec4& pixel : frame.combined) pixel *= share;
+    frame.normal_depth = std::move(normal_depth_);
+    frame.seconds = seconds_ + seconds_since(begin);
+    frame.pass_seconds = timers_.collect();
+    scope.check();
+    return frame;
+}
+
+Renderer::Renderer() : device_(thread_.run([] { return std::make_unique<Device>(); })) {}
+
+Renderer::~Renderer() {
+    thread_.run([this] { device_.reset(); });
+}
+
+std::optional<Frame> Renderer::render(const Scene& scene, const Settings& settings, const Progress& progress) {
+    check(scene, settings);
+    thread_.run([&] { device_->prepare(scene, settings); });
+    for (int sample = 0; sample < settings.samples; ++sample) {
+        thread_.run([&] { device_->draw_sample(scene, settings, sample); });
+        if (progress && !progress(sample + 1, settings.samples)) return std::nullopt;
+    }
+    return thread_.run([&] { return device_->finish(scene, settings); });
+}
+
+}  // namespace verglas

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Scene in, frame out.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/gl/thread.h"
+#include "core/scene/scene.h"
+#include "core/scene/settings.h"
+
+namespace verglas {
+
+// A finished picture of a region, scene-linear, row 0 at the bottom.
+struct Frame {
+    glm::ivec2 size{0};
+    std::vector<glm::vec4> combined;      // premultiplied alpha
+    std::vector<glm::vec4> normal_depth;  // world space and along the camera's axis; 0 and 1e10 where nothing is
+    double seconds = 0.0;                 // passes and readback
+    std::map<std::string, double> pass_seconds;  // GPU time, summed over samples
+};
+
+// Owns the GL thread and what has been uploaded. May be used by one thread at a time.
+class Renderer {
+  public:
+    // Throws Error where EGL or OpenGL 4.5 is missing.
+    Renderer();
+    ~Renderer();
+
+    const std::string& device() const { return thread_.device(); }
+
+    // Called after each sample with (done, all) on the calling thread; false ends the render.
+    using Progress = std::function<bool(int, int)>;
+
+    // Waits for the picture; nothing when progress ended it. Throws Error.
+    std::optional<Frame> render(const Scene& scene, const Settings& settings, const Progress& progress = {});
+
+  private:
+    class Device;  // what lives on the GL thread
+
+    gl::Thread thread_;
+    std::unique_ptr<Device> device_;
+};
+
+}  // namespace verglas

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+
+namespace verglas {
+
+// How light crosses an object; shaders/refraction.frag.glsl has the three.
+enum class Transport { Bundle, Paper, Single };
+enum class Intersection { Newton, March };
+enum class Tir : int { None, Incident, Clamp };  // as TIR_* of shaders/lib/constants.glsl
+
+// Pixels from the lower left.
+struct Rect {
+    glm::ivec2 begin{0};
+    glm::ivec2 end{0};  // exclusive
+
+    glm::ivec2 size() const { return end - begin; }
+    bool empty() const { return end.x <= begin.x || end.y <= begin.y; }
+    bool overlaps(const Rect& other) const {
+        return begin.x < other.end.x && other.begin.x < end.x && begin.y < other.end.y && other.begin.y < end.y;
+    }
+    Rect intersected(const Rect& other) const { return {glm::max(begin, other.begin), glm::min(end, other.end)}; }
+    Rect united(const Rect& other) const { return {glm::min(begin, other.begin), glm::max(end, other.end)}; }
+};
+
+struct Settings {
+    glm::ivec2 size{512};
+    std::optional<Rect> region;  // the part that is shaded and returned
+    int samples = 16;
+    float filter_width = 1.5F;  // of the Blackman-Harris filter, pixels
+    Transport transport = Transport::Bundle;
+    Intersection intersection = Intersection::Newton;
+    Tir tir = Tir::Clamp;
+    bool reflection = true;
+    bool transparent = false;
+};
+
+}  // namespace verglas

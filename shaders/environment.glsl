@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The environment's textures; see core/passes/environment_filter.h.
+#include "lib/constants.glsl"
+#include "lib/spherical_gaussian.glsl"
+#include "lib/environment.glsl"
+
+const int MAX_ENVIRONMENT_LEVELS = 32;
+
+uniform sampler2D environment_map;
+uniform sampler2D environment_atlas;
+uniform vec3 environment_levels[MAX_ENVIRONMENT_LEVELS];  // columns, intervals between rows, first row
+uniform int environment_level_count;
+uniform float environment_sharpest_kappa;
+uniform vec3 environment_color;      // factor on the map
+uniform mat3 view_to_environment;    // camera space -> the map's frame
+
+vec3 sample_environment_map(vec2 uv) { return textureLod(environment_map, uv, 0.0).rgb; }
+
+vec3 sample_environment_level(int level, vec2 uv) {
+    vec3 lattice = environment_levels[level];
+    vec2 texel = vec2(uv.x * lattice.x, uv.y * lattice.y + lattice.z) + 0.5;
+    return textureLod(environment_atlas, texel / vec2(textureSize(environment_atlas, 0)), 0.0).rgb;
+}
+
+float environment_kappa_0() { return environment_sharpest_kappa; }
+
+int environment_last_level() { return environment_level_count - 1; }
+
+#include "lib/environment_lookup.glsl"
+
+// All light that arrives from outside under a lobe about a unit direction in camera space.
+vec3 incoming_radiance(vec3 direction, float spread) {
+    return environment_color * environment_radiance(normalize(view_to_environment * direction), spread);
+}

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shades the front faces of one group of objects: the front lobe, its way through the object to the back faces,
+// and the environment behind and before. One of TRANSPORT_BUNDLE, TRANSPORT_PAPER, TRANSPORT_SINGLE and one of
+// INTERSECTION_NEWTON, INTERSECTION_MARCH is defined.
+#include "environment.glsl"
+#include "screen_space.glsl"
+#include "lib/fresnel.glsl"
+#include "lib/microfacet.glsl"
+#include "lib/lobe.glsl"
+#include "lib/bundle.glsl"
+
+uniform sampler2DArray lobe_tables;
+
+vec4 sample_lobe_table(int table, float x, float y) {
+    vec2 nodes = vec2(LOBE_COSINES, LOBE_ROUGHNESSES);
+    return textureLod(lobe_tables, vec3((vec2(x, y) * (nodes - 1.0) + 0.5) / nodes, float(table)), 0.0);
+}
+
+#include "lib/lobe_lookup.glsl"
+
+struct Material {
+    vec4 color_roughness;
+    vec4 reflection_ior;
+    vec4 absorption;
+    ivec4 tables;  // entering, leaving, reflection (-1: none)
+};
+layout(std430, binding = 0) readonly buffer Materials { Material materials[]; };
+
+uniform int group;
+uniform int tir;
+uniform bool reflection;
+uniform float bound;  // no ray is longer inside an object
+#ifdef TRANSPORT_PAPER
+uniform sampler2D pyramid_normals;
+#endif
+#ifdef INTERSECTION_MARCH
+uniform sampler2D pyramid_depths;
+#endif
+
+layout(location = 0) out vec4 radiance;
+
+const int AXIS_STEPS = 6;
+const int RAY_STEPS = 2;
+
+#ifdef INTERSECTION_MARCH
+// Rays end at the greatest depth of all back faces (the pyramid's last level).
+float march_bound(vec3 origin, vec3 d) {
+    float deepest = texelFetch(pyramid_depths, ivec2(0), textureQueryLevels(pyramid_depths) - 1).y;
+    return d.z < 0.0 ? min((deepest + origin.z) / -d.z, bound) : bound;
+}
+
+Exit find_exit(vec3 origin, vec3 d, Exit guess, int steps) {
+    return find_exit_march(origin, d, guess, march_bound(origin, d));
+}
+#else
+Exit find_exit(vec3 origin, vec3 d, Exit guess, int steps) { return find_exit_newton(origin, d, guess, steps, bound); }
+#endif
+
+// The lobe of a ray that leaves the object through a back face.
+Lobe leaving_lobe(vec3 d, vec3 outward, float roughness, Material material) {
+    float eta = 1.0 / material.reflection_ior.w;
+    return refracted_lobe(material.tables.y, eta, roughness, d, -outward, tir);
+}
+
+vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorption * distance_inside); }
+
+#ifdef TRANSPORT_BUNDLE
+// Four rays at the front lobe's root-mean angle, each with its own exit (method: 5.3).
+vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
+    Moments moments = no_moments();
+    vec3 weighted_color = vec3(0.0);
+    for (int i = 0; i < BUNDLE_RAYS; ++i) {
+        vec3 d = bundle_ray(front, n, i);
+        Exit exit = find_exit(origin, d, axis, RAY_STEPS);
+        Material behind = materials[decode_material(exit.face.w)];
+        Lobe lobe = leaving_lobe(d, decode_normal(exit.face.xy), behind.color_roughness.w, behind);
+        moments = add_lobe(moments, lobe, front.energy / float(BUNDLE_RAYS));
+        weighted_color += lobe.energy * behind.color_roughness.rgb * transmittance(absorption, exit.t);
+    }
+    Lobe lobe = lobe_from_moments(moments);
+    return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming_radiance(lobe.direction, lobe.spread);
+}
+#endif
+
+#ifdef TRANSPORT_PAPER
+// Bounding box of the exits of four rays that hold 75 % of the lobe, the normals in it as a distribution, and the
+// back lobe for both roughnesses at once (de Rousiers et al. 2012, section 4.3).
+vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
+    Lobe bounding = front;
+    bounding.spread = clamp(-log(0.25) / kappa_from_spread(front.spread), LOBE_MIN_SPREAD, 1.0);  // 1 - cos theta_b
+    vec2 center = pixel_of(origin + axis.t * front.direction);
+    vec2 low = center;
+    vec2 high = center;
+    for (int i = 0; i < BUNDLE_RAYS; ++i) {
+        vec3 d = bundle_ray(bounding, n, i);
+        Exit exit = find_exit(origin, d, axis, RAY_STEPS);
+        vec2 pixel = pixel_of(origin + exit.t * d);
+        low = min(low, pixel);
+        high = max(high, pixel);
+    }
+    vec2 extent = max(high - low, vec2(1.0)) / frame_size;
+    vec4 normals = textureGrad(pyramid_normals, 0.5 * (low + high) / frame_size, vec2(extent.x, 0.0), vec2(0.0, extent.y));
+    Material behind = materials[decode_material(axis.face.w)];
+    float mean_length = clamp(length(normals.xyz) / max(normals.w, 1e-6), 0.0, 1.0 - LOBE_MIN_SPREAD);
+    vec3 outward = normals.w > 0.0 && mean_length > 0.0 ? normalize(normals.xyz) : decode_normal(axis.face.xy);
+    float kappa_G = kappa_from_spread(1.0 - mean_length);
+    float alpha = max(alpha_from_roughness(behind.color_roughness.w), 1e-4);
+    float kappa_D = 2.0 / (alpha * alpha);
+    float kappa = kappa_G * kappa_D / (kappa_G + kappa_D);
+    float roughness = min(pow(2.0 / kappa, 0.25), 1.0);
+    Lobe lobe = leaving_lobe(front.direction, outward, roughness, behind);
+    return front.energy * lobe.energy * behind.color_roughness.rgb * transmittance(absorption, axis.t) *
+           incoming_radiance(lobe.direction, lobe.spread);
+}
+#endif
+
+#ifdef TRANSPORT_SINGLE
+// The ray along the front lobe's axis, and the back lobe alone.
+vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
+    Material behind = materials[decode_material(axis.face.w)];
+    Lobe lobe = leaving_lobe(front.direction, decode_normal(axis.face.xy), behind.color_roughness.w, behind);
+    return front.energy * lobe.energy * behind.color_roughness.rgb * transmittance(absorption, axis.t) *
+           incoming_radiance(lobe.direction, lobe.spread);
+}
+#endif
+
+// Interpolated normals may face away at silhouettes; such a normal is bent until it is seen edge-on.
+vec3 toward_viewer(vec3 n, vec3 d) { return normalize(n - max(dot(n, d) + 1e-3, 0.0) * d); }
+
+void main() {
+    vec4 face = texelFetch(front_faces, ivec2(gl_FragCoord.xy), 0);
+    if (face.w < 0.0 || decode_group(face.w) != group) discard;
+    Material material = materials[decode_material(face.w)];
+    vec3 origin = position_at(gl_FragCoord.xy, face.z);
+    vec3 d = view_direction(origin);
+    vec3 n = toward_viewer(decode_normal(face.xy), d);
+    float roughness = material.color_roughness.w;
+    float ior = material.reflection_ior.w;
+
+    Lobe front = refracted_lobe(material.tables.x, ior, roughness, d, n, tir);
+    vec4 behind = texelFetch(back_faces, ivec2(gl_FragCoord.xy), 0);
+    vec3 sum;
+    if (behind.w < 0.0) {
+        // An open surface without a back: light never leaves the glass again.
+        sum = front.energy * incoming_radiance(front.direction, front.spread);
+    } else {
+        float thickness = max(behind.z - face.z, 0.0) / max(-front.direction.z, 0.1);
+        Exit guess = Exit(min(thickness, bound), behind);
+        Exit axis = find_exit(origin, front.direction, guess, AXIS_STEPS);
+        sum = transport(front, origin, n, axis, material.absorption.rgb);
+    }
+    sum *= material.color_roughness.rgb;
+    if (reflection && material.tables.z >= 0) {
+        Lobe mirror = reflected_lobe(material.tables.z, ior, roughness, d, n);
+        sum += mirror.energy * material.reflection_ior.rgb * incoming_radiance(mirror.direction, mirror.spread);
+    }
+    radiance = vec4(sum, 1.0);
+}
