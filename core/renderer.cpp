@@ -19,7 +19,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double seconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
 
 // The pictures of one size.
 struct Targets {
@@ -43,8 +45,9 @@ struct Targets {
 
 std::vector<glm::vec4> read(const gl::Texture& texture, const Rect& rect) {
     std::vector<glm::vec4> pixels(std::size_t(rect.size().x) * rect.size().y);
-    glGetTextureSubImage(texture.id(), 0, rect.begin.x, rect.begin.y, 0, rect.size().x, rect.size().y, 1, GL_RGBA,
-                         GL_FLOAT, static_cast<GLsizei>(pixels.size() * sizeof(glm::vec4)), pixels.data());
+    glGetTextureSubImage(texture.id(), 0, rect.begin.x, rect.begin.y, 0, rect.size().x, rect.size().y, 1,
+                         GL_RGBA, GL_FLOAT, static_cast<GLsizei>(pixels.size() * sizeof(glm::vec4)),
+                         pixels.data());
     return pixels;
 }
 
@@ -125,7 +128,8 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     const gl::PassScope scope("sample");
     const Rect region = region_of(settings);
     const glm::vec2 offset = blackman_harris_offset(sample, settings.filter_width);
-    const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size), settings.size};
+    const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size),
+                    settings.size};
     const ShadingInputs inputs{view, scene, settings, *environment_, targets_->front};
     geometry_.clear(targets_->front, Faces::Front, {glm::ivec2(0), settings.size});
     for (int number = 0; number < static_cast<int>(groups_.size()); ++number) {
@@ -200,7 +204,8 @@ Renderer::~Renderer() {
     thread_.run([this] { device_.reset(); });
 }
 
-std::optional<Frame> Renderer::render(const Scene& scene, const Settings& settings, const Progress& progress) {
+std::optional<Frame> Renderer::render(const Scene& scene, const Settings& settings,
+                                      const Progress& progress) {
     check(scene, settings);
     thread_.run([&] { device_->prepare(scene, settings); });
     for (int sample = 0; sample < settings.samples; ++sample) {

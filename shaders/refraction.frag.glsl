@@ -83,6 +83,25 @@ vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
 #endif
 
 #ifdef TRANSPORT_PAPER
+const int MAX_ANISOTROPY = 8;
+
+// Normals times coverage, and coverage, over a box of pixels: an anisotropic look-up in the pyramid, spelled out
+// since OpenGL 4.5 need not filter anisotropically.
+vec4 filtered_normals(vec2 low, vec2 high) {
+    vec2 extent = max(high - low, vec2(1.0));
+    bool wide = extent.x > extent.y;
+    float narrow_side = max(min(extent.x, extent.y), max(extent.x, extent.y) / float(MAX_ANISOTROPY));
+    int taps = int(ceil(max(extent.x, extent.y) / narrow_side));
+    float lod = log2(narrow_side);
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < taps; ++i) {
+        float along = (float(i) + 0.5) / float(taps) - 0.5;
+        vec2 pixel = 0.5 * (low + high) + along * (wide ? vec2(extent.x, 0.0) : vec2(0.0, extent.y));
+        sum += textureLod(pyramid_normals, pixel / frame_size, lod);
+    }
+    return sum / float(taps);
+}
+
 // Bounding box of the exits of four rays that hold 75 % of the lobe, the normals in it as a distribution, and the
 // back lobe for both roughnesses at once (de Rousiers et al. 2012, section 4.3).
 vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
@@ -98,8 +117,7 @@ vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
         low = min(low, pixel);
         high = max(high, pixel);
     }
-    vec2 extent = max(high - low, vec2(1.0)) / frame_size;
-    vec4 normals = textureGrad(pyramid_normals, 0.5 * (low + high) / frame_size, vec2(extent.x, 0.0), vec2(0.0, extent.y));
+    vec4 normals = filtered_normals(low, high);
     Material behind = materials[decode_material(axis.face.w)];
     float mean_length = clamp(length(normals.xyz) / max(normals.w, 1e-6), 0.0, 1.0 - LOBE_MIN_SPREAD);
     vec3 outward = normals.w > 0.0 && mean_length > 0.0 ? normalize(normals.xyz) : decode_normal(axis.face.xy);

@@ -37,11 +37,12 @@ std::vector<EGLDeviceEXT> devices() {
         char* end = nullptr;
         const long number = std::strtol(choice, &end, 10);
         if (*end != '\0' || number < 0 || number >= count)
-            throw Error("VERGLAS_EGL_DEVICE is '" + std::string(choice) + "', but this machine's EGL devices are 0 to " +
-                        std::to_string(count - 1) + ".");
+            throw Error("VERGLAS_EGL_DEVICE is '" + std::string(choice) +
+                        "', but this machine's EGL devices are 0 to " + std::to_string(count - 1) + ".");
         return {sorted[number]};
     }
-    std::stable_partition(sorted.begin(), sorted.end(), [](EGLDeviceEXT device) { return !is_software(device); });
+    std::stable_partition(sorted.begin(), sorted.end(),
+                          [](EGLDeviceEXT device) { return !is_software(device); });
     return sorted;
 }
 
@@ -50,13 +51,16 @@ std::vector<EGLDisplay> displays() {
     const auto get_display = egl_function<PFNEGLGETPLATFORMDISPLAYEXTPROC>("eglGetPlatformDisplayEXT");
     std::vector<EGLDisplay> result;
     if (get_display == nullptr) return result;
-    for (EGLDeviceEXT device : devices()) result.push_back(get_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr));
-    if (result.empty()) result.push_back(get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
+    for (EGLDeviceEXT device : devices())
+        result.push_back(get_display(EGL_PLATFORM_DEVICE_EXT, device, nullptr));
+    if (result.empty())
+        result.push_back(get_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr));
     return result;
 }
 
 EGLContext create_context(EGLDisplay display) {
-    if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE) return EGL_NO_CONTEXT;
+    if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) != EGL_TRUE)
+        return EGL_NO_CONTEXT;
     if (eglBindAPI(EGL_OPENGL_API) != EGL_TRUE) return EGL_NO_CONTEXT;
     constexpr std::array<EGLint, 13> attributes = {EGL_CONTEXT_MAJOR_VERSION,
                                                    4,

@@ -7,10 +7,11 @@
 
 namespace verglas::gl {
 
-// An OpenGL 4.5 core context without a surface, current on the thread that makes it until it is destroyed there.
+// An OpenGL 4.5 core context without a surface, current on the thread that makes it until it is destroyed
+// there.
 //
-// Every EGL device is tried, hardware before software; the environment variable VERGLAS_EGL_DEVICE picks one by
-// its number. Throws Error with one sentence where there is none.
+// Every EGL device is tried, hardware before software; the environment variable VERGLAS_EGL_DEVICE picks one
+// by its number. Throws Error with one sentence where there is none.
 class Context {
   public:
     Context();

@@ -12,10 +12,12 @@ namespace {
 // The first fault since the last check; one context a thread.
 thread_local std::string fault;
 
-// Runs on the thread of the context, since GL_DEBUG_OUTPUT_SYNCHRONOUS is on. Must not throw through the driver.
+// Runs on the thread of the context, since GL_DEBUG_OUTPUT_SYNCHRONOUS is on. Must not throw through the
+// driver.
 void APIENTRY on_message(GLenum /*source*/, GLenum /*type*/, GLuint /*id*/, GLenum severity, GLsizei length,
                          const GLchar* message, const void* /*user*/) {
-    if (severity == GL_DEBUG_SEVERITY_HIGH && fault.empty()) fault.assign(message, static_cast<std::size_t>(length));
+    if (severity == GL_DEBUG_SEVERITY_HIGH && fault.empty())
+        fault.assign(message, static_cast<std::size_t>(length));
 }
 
 }  // namespace
@@ -34,7 +36,8 @@ PassScope::PassScope(std::string name) : name_(std::move(name)) {
 PassScope::~PassScope() { glPopDebugGroup(); }
 
 void PassScope::check() const {
-    if (!fault.empty()) throw Error("The graphics driver reports a fault in the pass '" + name_ + "': " + fault);
+    if (!fault.empty())
+        throw Error("The graphics driver reports a fault in the pass '" + name_ + "': " + fault);
 }
 
 }  // namespace verglas::gl

@@ -8,7 +8,8 @@ namespace verglas::gl {
 // Collects the driver's messages of high severity (KHR_debug) of the calling thread's context.
 void install_debug_callback();
 
-// Names the pass that runs on this thread, for messages. When it ends, check() throws what the driver reported.
+// Names the pass that runs on this thread, for messages. When it ends, check() throws what the driver
+// reported.
 class PassScope {
   public:
     // name: as a user may read it, such as "back faces".

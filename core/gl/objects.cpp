@@ -38,7 +38,9 @@ Texture::Texture(GLenum format, int width, int height, GLenum filter, int levels
     if (glGetError() != GL_NO_ERROR)
         throw Error("The graphics driver has no room for a picture of " + std::to_string(width) + " x " +
                     std::to_string(height) + " pixels.");
-    const GLenum minify = levels == 1 ? filter : filter == GL_LINEAR ? GL_LINEAR_MIPMAP_LINEAR : GL_NEAREST_MIPMAP_NEAREST;
+    const GLenum minify = levels == 1           ? filter
+                          : filter == GL_LINEAR ? GL_LINEAR_MIPMAP_LINEAR
+                                                : GL_NEAREST_MIPMAP_NEAREST;
     glTextureParameteri(id(), GL_TEXTURE_MIN_FILTER, static_cast<GLint>(minify));
     glTextureParameteri(id(), GL_TEXTURE_MAG_FILTER, static_cast<GLint>(filter));
     glTextureParameteri(id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);

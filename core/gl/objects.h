@@ -51,8 +51,8 @@ using Query = Handle<delete_query>;
 class Texture : public Handle<delete_texture> {
   public:
     Texture() = default;
-    // filter: GL_NEAREST or GL_LINEAR. levels: 1, or the number of mipmap levels. layers: 0 for a plain texture.
-    // Throws Error where the driver has no room.
+    // filter: GL_NEAREST or GL_LINEAR. levels: 1, or the number of mipmap levels. layers: 0 for a plain
+    // texture. Throws Error where the driver has no room.
     Texture(GLenum format, int width, int height, GLenum filter, int levels = 1, int layers = 0);
 
     int width() const { return width_; }

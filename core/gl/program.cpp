@@ -42,7 +42,8 @@ GLuint compile(GLenum stage, std::string_view file, const std::vector<std::strin
     GLsizei length = 0;
     glGetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), &length, log.data());
     glDeleteShader(shader);
-    throw Error("The graphics driver can't compile the shader " + std::string(file) + ": " + log.substr(0, length));
+    throw Error("The graphics driver can't compile the shader " + std::string(file) + ": " +
+                log.substr(0, length));
 }
 
 }  // namespace
@@ -50,7 +51,8 @@ GLuint compile(GLenum stage, std::string_view file, const std::vector<std::strin
 Program::Program(std::string_view vertex_file, std::string_view fragment_file,
                  const std::vector<std::string>& defines)
     : Handle(glCreateProgram()) {
-    for (const auto& [stage, file] : {std::pair(GL_VERTEX_SHADER, vertex_file), std::pair(GL_FRAGMENT_SHADER, fragment_file)}) {
+    for (const auto& [stage, file] :
+         {std::pair(GL_VERTEX_SHADER, vertex_file), std::pair(GL_FRAGMENT_SHADER, fragment_file)}) {
         const GLuint shader = compile(stage, file, defines);
         glAttachShader(id(), shader);
         glDeleteShader(shader);  // lives on until the program is gone
@@ -62,7 +64,8 @@ Program::Program(std::string_view vertex_file, std::string_view fragment_file,
     std::string log(4096, '\0');
     GLsizei length = 0;
     glGetProgramInfoLog(id(), static_cast<GLsizei>(log.size()), &length, log.data());
-    throw Error("The graphics driver can't link the shader " + std::string(fragment_file) + ": " + log.substr(0, length));
+    throw Error("The graphics driver can't link the shader " + std::string(fragment_file) + ": " +
+                log.substr(0, length));
 }
 
 void Program::set(const char* name, int value) const { glProgramUniform1i(id(), location(name), value); }

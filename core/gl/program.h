@@ -14,17 +14,18 @@ namespace verglas::gl {
 
 inline void delete_program(GLuint id) { glDeleteProgram(id); }
 
-// A linked program from files below shaders/. `#include "path"` in them is relative to shaders/; every file is
-// taken once. Throws Error with the file and the compiler's log.
+// A linked program from files below shaders/. `#include "path"` in them is relative to shaders/; every file
+// is taken once. Throws Error with the file and the compiler's log.
 class Program : public Handle<delete_program> {
   public:
     Program() = default;
     // defines: lines such as "TRANSPORT_BUNDLE", each becomes `#define TRANSPORT_BUNDLE`.
-    Program(std::string_view vertex_file, std::string_view fragment_file, const std::vector<std::string>& defines = {});
+    Program(std::string_view vertex_file, std::string_view fragment_file,
+            const std::vector<std::string>& defines = {});
 
     void use() const { glUseProgram(id()); }
-    // Values of uniforms of the program; unknown names are ignored, as OpenGL does, since the compiler may have
-    // dropped them.
+    // Values of uniforms of the program; unknown names are ignored, as OpenGL does, since the compiler may
+    // have dropped them.
     void set(const char* name, int value) const;
     void set(const char* name, float value) const;
     void set(const char* name, const glm::vec2& value) const;

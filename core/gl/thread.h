@@ -2,8 +2,8 @@
 #pragma once
 
 #include <condition_variable>
-#include <future>
 #include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <queue>

@@ -65,8 +65,8 @@ struct Normals {
     std::array<float, sample_count> weight;
 };
 
-// The tail of the distribution gets more points of less weight: it alone is seen below the critical angle, and
-// GGX' tail decides on its spread. rest = t^3, d(rest) = 3 t^2 dt.
+// The tail of the distribution gets more points of less weight: it alone is seen below the critical angle,
+// and GGX' tail decides on its spread. rest = t^3, d(rest) = 3 t^2 dt.
 Normals draw_normals(Ndf ndf, double alpha) {
     Normals normals;
     for (int j = 0; j < sample_count; ++j) {
@@ -105,7 +105,8 @@ double spread_of(const Sums& sums) {
 #define VERGLAS_VECTOR_CLONES
 #endif
 
-// A sum for each lane of a vector unit: the order of additions is fixed, and the loop over lanes is vector code.
+// A sum for each lane of a vector unit: the order of additions is fixed, and the loop over lanes is vector
+// code.
 constexpr int lanes = 16;
 struct LaneSums {
     std::array<float, lanes> weight{};
@@ -134,8 +135,9 @@ struct LaneSums {
 
 // Without branches in the loop, so that it becomes vector code.
 template <int ndf>
-[[gnu::always_inline]] inline void integrate(float alpha, const Normals& normals, float cos_o, float eta, glm::vec2 reflected_0,
-                      glm::vec2 refracted_0, std::array<Sums, lobe_event_count>& result) {
+[[gnu::always_inline]] inline void integrate(float alpha, const Normals& normals, float cos_o, float eta,
+                                             glm::vec2 reflected_0, glm::vec2 refracted_0,
+                                             std::array<Sums, lobe_event_count>& result) {
     const float sin_o = std::sqrt(1.0F - cos_o * cos_o);
     const float inverse_eta = 1.0F / eta;
     const float masking_o = model::smith_masking(ndf, alpha, cos_o) / cos_o;
@@ -143,37 +145,38 @@ template <int ndf>
     LaneSums without;
     LaneSums mirror;
     for (int first = 0; first < sample_count; first += lanes) {
-    for (int lane = 0; lane < lanes; ++lane) {
-        const int j = first + lane;
-        const float m_x = normals.x[j];
-        const float m_y = normals.y[j];
-        const float m_z = normals.z[j];
-        const float o_m = sin_o * m_x + cos_o * m_z;
-        const float cos_m = std::max(o_m, 1e-9F);
-        const float weight = o_m > 0.0F ? normals.weight[j] * cos_m * masking_o / m_z : 0.0F;
-        const float fresnel = model::fresnel_dielectric(cos_m, eta);
+        for (int lane = 0; lane < lanes; ++lane) {
+            const int j = first + lane;
+            const float m_x = normals.x[j];
+            const float m_y = normals.y[j];
+            const float m_z = normals.z[j];
+            const float o_m = sin_o * m_x + cos_o * m_z;
+            const float cos_m = std::max(o_m, 1e-9F);
+            const float weight = o_m > 0.0F ? normals.weight[j] * cos_m * masking_o / m_z : 0.0F;
+            const float fresnel = model::fresnel_dielectric(cos_m, eta);
 
-        const float z = 2.0F * cos_m * m_z - cos_o;
-        const float w_mirror = z > 0.0F ? weight * fresnel * model::smith_masking(ndf, alpha, z) : 0.0F;
-        const float mirror_x = sin_o - 2.0F * cos_m * m_x - reflected_0.x;
-        const float mirror_y = 2.0F * cos_m * m_y;
-        const float mirror_z = z - reflected_0.y;
-        const float mirror_squared = mirror_x * mirror_x + mirror_y * mirror_y + mirror_z * mirror_z;
-        mirror.add(lane, w_mirror, mirror_x, mirror_z, mirror_squared);
+            const float z = 2.0F * cos_m * m_z - cos_o;
+            const float w_mirror = z > 0.0F ? weight * fresnel * model::smith_masking(ndf, alpha, z) : 0.0F;
+            const float mirror_x = sin_o - 2.0F * cos_m * m_x - reflected_0.x;
+            const float mirror_y = 2.0F * cos_m * m_y;
+            const float mirror_z = z - reflected_0.y;
+            const float mirror_squared = mirror_x * mirror_x + mirror_y * mirror_y + mirror_z * mirror_z;
+            mirror.add(lane, w_mirror, mirror_x, mirror_z, mirror_squared);
 
-        // Snell: i = -o / eta + (o.m / eta - cos theta_t) m, cos^2 theta_t = 1 - (1 - (o.m)^2) / eta^2.
-        const float cos2_t = 1.0F - (1.0F - cos_m * cos_m) * inverse_eta * inverse_eta;
-        const float k = std::sqrt(std::max(cos2_t, 0.0F)) - cos_m * inverse_eta;
-        const float away = cos_o * inverse_eta + k * m_z;
-        const float w = cos2_t > 0.0F && away > 0.0F ? weight * model::smith_masking(ndf, alpha, away) : 0.0F;
-        const float x = sin_o * inverse_eta + k * m_x - refracted_0.x;
-        const float y = k * m_y;
-        const float dz = away - refracted_0.y;
-        const float squared = x * x + y * y + dz * dz;
-        const float w_glass = w * (1.0F - fresnel);
-        glass.add(lane, w_glass, x, dz, squared);
-        without.add(lane, w, x, dz, squared);
-    }
+            // Snell: i = -o / eta + (o.m / eta - cos theta_t) m, cos^2 theta_t = 1 - (1 - (o.m)^2) / eta^2.
+            const float cos2_t = 1.0F - (1.0F - cos_m * cos_m) * inverse_eta * inverse_eta;
+            const float k = std::sqrt(std::max(cos2_t, 0.0F)) - cos_m * inverse_eta;
+            const float away = cos_o * inverse_eta + k * m_z;
+            const float w =
+                cos2_t > 0.0F && away > 0.0F ? weight * model::smith_masking(ndf, alpha, away) : 0.0F;
+            const float x = sin_o * inverse_eta + k * m_x - refracted_0.x;
+            const float y = k * m_y;
+            const float dz = away - refracted_0.y;
+            const float squared = x * x + y * y + dz * dz;
+            const float w_glass = w * (1.0F - fresnel);
+            glass.add(lane, w_glass, x, dz, squared);
+            without.add(lane, w, x, dz, squared);
+        }
     }
     result = {glass.total(), without.total(), mirror.total()};
 }
@@ -182,9 +185,14 @@ VERGLAS_VECTOR_CLONES
 void integrate(Ndf ndf, float alpha, const Normals& normals, float cos_o, float eta, glm::vec2 reflected_0,
                glm::vec2 refracted_0, std::array<Sums, lobe_event_count>& result) {
     switch (ndf) {
-        case Ndf::Beckmann: return integrate<model::NDF_BECKMANN>(alpha, normals, cos_o, eta, reflected_0, refracted_0, result);
-        case Ndf::Ggx: return integrate<model::NDF_GGX>(alpha, normals, cos_o, eta, reflected_0, refracted_0, result);
-        case Ndf::BlinnPhong: return integrate<model::NDF_BLINN_PHONG>(alpha, normals, cos_o, eta, reflected_0, refracted_0, result);
+        case Ndf::Beckmann:
+            return integrate<model::NDF_BECKMANN>(alpha, normals, cos_o, eta, reflected_0, refracted_0,
+                                                  result);
+        case Ndf::Ggx:
+            return integrate<model::NDF_GGX>(alpha, normals, cos_o, eta, reflected_0, refracted_0, result);
+        case Ndf::BlinnPhong:
+            return integrate<model::NDF_BLINN_PHONG>(alpha, normals, cos_o, eta, reflected_0, refracted_0,
+                                                     result);
     }
 }
 
@@ -210,7 +218,8 @@ std::shared_ptr<const LobeTables> LobeTables::build(Ndf ndf) {
     tbb::parallel_for(0, LOBE_ROUGHNESSES * eta_count, [&](int task) {
         const int roughness_node = task / eta_count;
         const int eta_node = task % eta_count;
-        const double roughness = model::lobe_table_roughness(static_cast<float>(roughness_node) / (LOBE_ROUGHNESSES - 1));
+        const double roughness =
+            model::lobe_table_roughness(static_cast<float>(roughness_node) / (LOBE_ROUGHNESSES - 1));
         const double alpha = roughness * roughness;
         const Normals normals = draw_normals(ndf, alpha);
         const double log_eta = log_eta_of_node(eta_node);
@@ -225,7 +234,8 @@ std::shared_ptr<const LobeTables> LobeTables::build(Ndf ndf) {
                 const std::array<glm::vec2, lobe_event_count> i_0 = specular_directions(cosine, eta);
                 std::array<Sums, lobe_event_count> sums;
                 integrate(ndf, static_cast<float>(alpha), normals, cosine, eta,
-                          i_0[static_cast<int>(LobeEvent::Reflect)], i_0[static_cast<int>(LobeEvent::Refract)], sums);
+                          i_0[static_cast<int>(LobeEvent::Reflect)],
+                          i_0[static_cast<int>(LobeEvent::Refract)], sums);
                 for (int e = 0; e < lobe_event_count; ++e) {
                     const auto event = static_cast<LobeEvent>(e);
                     Node& node = last[e];
@@ -259,8 +269,9 @@ LobeSlice LobeTables::slice(float eta, LobeEvent event) const {
         for (int cosine_node = 0; cosine_node < LOBE_COSINES; ++cosine_node) {
             const Node& a = nodes_[node_index(event, side, first, roughness_node, cosine_node)];
             const Node& b = nodes_[node_index(event, side, first + 1, roughness_node, cosine_node)];
-            slice.emplace_back(glm::mix(a.energy, b.energy, t), glm::mix(a.log_spread, b.log_spread, t) + scale,
-                               glm::mix(a.bend, b.bend, t), glm::mix(a.away, b.away, t));
+            slice.emplace_back(glm::mix(a.energy, b.energy, t),
+                               glm::mix(a.log_spread, b.log_spread, t) + scale, glm::mix(a.bend, b.bend, t),
+                               glm::mix(a.away, b.away, t));
         }
     }
     return slice;
@@ -284,7 +295,8 @@ std::uint64_t checksum(const void* data, std::size_t size) {
 
 std::filesystem::path LobeTables::cache_file(Ndf ndf, const std::filesystem::path& folder) {
     constexpr std::array<const char*, 3> names = {"beckmann", "ggx", "blinn_phong"};
-    return folder / (std::string("lobes-") + names[static_cast<int>(ndf)] + "-" VERGLAS_LOBE_TABLE_KEY ".bin");
+    return folder /
+           (std::string("lobes-") + names[static_cast<int>(ndf)] + "-" VERGLAS_LOBE_TABLE_KEY ".bin");
 }
 
 std::shared_ptr<LobeTables> LobeTables::read(const std::filesystem::path& file) {

@@ -6,13 +6,14 @@
 
 namespace verglas::model {
 
+// clang-format off: each file may use those before it.
 #include "shaders/lib/constants.glsl"
 #include "shaders/lib/fresnel.glsl"
 #include "shaders/lib/microfacet.glsl"
 #include "shaders/lib/spherical_gaussian.glsl"
-// The order matters from here on.
 #include "shaders/lib/lobe.glsl"
 #include "shaders/lib/bundle.glsl"
 #include "shaders/lib/environment.glsl"
+// clang-format on
 
 }  // namespace verglas::model

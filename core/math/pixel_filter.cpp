@@ -12,8 +12,9 @@ namespace {
 // Integral of the Blackman-Harris window from 0 to x, of all: x in 0 … 1, window's centre at 1/2.
 double cumulative(double x) {
     const double t = 2.0 * glm::pi<double>() * x;
-    return x + (-0.48829 * std::sin(t) + 0.14128 * std::sin(2.0 * t) / 2.0 - 0.01168 * std::sin(3.0 * t) / 3.0) /
-                   (2.0 * glm::pi<double>() * 0.35875);
+    return x +
+           (-0.48829 * std::sin(t) + 0.14128 * std::sin(2.0 * t) / 2.0 - 0.01168 * std::sin(3.0 * t) / 3.0) /
+               (2.0 * glm::pi<double>() * 0.35875);
 }
 
 // Where a share u of the window lies to the left, by bisection.

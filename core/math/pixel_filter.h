@@ -5,8 +5,8 @@
 
 namespace verglas {
 
-// Offset of a sample from the pixel's centre, in pixels, distributed like the Blackman-Harris filter of the given
-// width, which reaches `width` to each side (as Cycles' does). Sample 0 lies at the centre.
+// Offset of a sample from the pixel's centre, in pixels, distributed like the Blackman-Harris filter of the
+// given width, which reaches `width` to each side (as Cycles' does). Sample 0 lies at the centre.
 glm::vec2 blackman_harris_offset(int sample, float width);
 
 }  // namespace verglas

@@ -20,12 +20,13 @@ constexpr float sharpest_texels = 1.5F;
 // The last level is nearly uniform.
 constexpr float bluntest_kappa = 0.2F;
 constexpr int least_level_columns = 16;
-// Wide kernels are no exact convolutions of each other; such levels are small and come from a much sharper one.
+// Wide kernels are no exact convolutions of each other; such levels are small and come from a much sharper
+// one.
 constexpr float wide_kappa = 64.0F;
 constexpr int wide_step = 6;
 
-// For ENVIRONMENT_LEVEL_RATIO 2: columns follow the width of the Gaussian, 1, 3/4, 1/2, 3/8, ... of level 0's, so that blocks of a power of two
-// columns, near the poles, divide them.
+// For ENVIRONMENT_LEVEL_RATIO 2: columns follow the width of the Gaussian, 1, 3/4, 1/2, 3/8, ... of level
+// 0's, so that blocks of a power of two columns, near the poles, divide them.
 std::vector<EnvironmentLevel> plan_levels(int columns) {
     const float sigma = sharpest_texels * 2.0F * glm::pi<float>() / static_cast<float>(columns);
     std::vector<EnvironmentLevel> levels;
@@ -48,7 +49,8 @@ struct Band {
 };
 
 Band make_band(double angle, double solid_angle, int blocks, int row, double kappa) {
-    return {{std::sin(0.5 * angle), std::cos(0.5 * angle), solid_angle / blocks, blocks}, {row, kappa, 0.0, 0.0}};
+    return {{std::sin(0.5 * angle), std::cos(0.5 * angle), solid_angle / blocks, blocks},
+            {row, kappa, 0.0, 0.0}};
 }
 
 // Columns of a row that count as one: those of an arc of at most `rows` rows.
@@ -85,7 +87,8 @@ std::vector<Band> map_bands(int columns, double kappa) {
             const double along = arc * arc / 12.0 + (block > 1 ? arc * arc * block * block / 6.0 : 0.0);
             // Blocks widen what they gather, which the kernel makes up for; texels are as wide as they are.
             const double variance = 0.5 * (across + arc * arc / 12.0) - 0.5 * (along - arc * arc / 12.0);
-            bands.push_back(make_band(mean, solid_angle, columns / block, row, 1.0 / (1.0 / kappa + variance)));
+            bands.push_back(
+                make_band(mean, solid_angle, columns / block, row, 1.0 / (1.0 / kappa + variance)));
         }
     }
     return bands;
@@ -106,9 +109,9 @@ std::vector<Band> lattice_bands(const EnvironmentLevel& level, double kappa) {
 }
 
 float smallest_kappa(const std::vector<Band>& bands) {
-    return std::min_element(bands.begin(), bands.end(), [](const Band& a, const Band& b) {
-               return a.source.y < b.source.y;
-           })->source.y;
+    return std::min_element(bands.begin(), bands.end(),
+                            [](const Band& a, const Band& b) { return a.source.y < b.source.y; })
+        ->source.y;
 }
 
 // Shares every column out between the two blocks nearest to it, so that light keeps its place, and stores the
@@ -116,7 +119,8 @@ float smallest_kappa(const std::vector<Band>& bands) {
 void gather_blocks(std::vector<glm::vec3>& pixels, int columns) {
     const int rows = columns / 2;
     for (int row = 0; row < rows; ++row) {
-        const int block = block_size(std::sin(glm::pi<double>() * (row + 0.5) / rows), map_block_rows, columns);
+        const int block =
+            block_size(std::sin(glm::pi<double>() * (row + 0.5) / rows), map_block_rows, columns);
         if (block == 1) continue;
         const int blocks = columns / block;
         glm::vec3* texels = &pixels[std::size_t(row) * columns];
@@ -132,7 +136,8 @@ void gather_blocks(std::vector<glm::vec3>& pixels, int columns) {
     }
 }
 
-gl::Texture upload(GLenum format, int width, int height, GLenum filter, const std::vector<glm::vec3>& pixels) {
+gl::Texture upload(GLenum format, int width, int height, GLenum filter,
+                   const std::vector<glm::vec3>& pixels) {
     gl::Texture texture(format, width, height, filter);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     glTextureSubImage2D(texture.id(), 0, 0, 0, width, height, GL_RGB, GL_FLOAT, pixels.data());
@@ -143,8 +148,9 @@ gl::Texture upload_raw(const EnvironmentMap& map) {
     GLint greatest = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &greatest);
     const bool fits = map.width() <= greatest && map.height() <= greatest;
-    gl::Texture texture = fits ? upload(GL_RGBA32F, map.width(), map.height(), GL_LINEAR, map.pixels())
-                               : upload(GL_RGBA32F, greatest, greatest / 2, GL_LINEAR, map.resampled(greatest));
+    gl::Texture texture =
+        fits ? upload(GL_RGBA32F, map.width(), map.height(), GL_LINEAR, map.pixels())
+             : upload(GL_RGBA32F, greatest, greatest / 2, GL_LINEAR, map.resampled(greatest));
     glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_S, GL_REPEAT);
     return texture;
 }
@@ -164,8 +170,8 @@ EnvironmentFilter::EnvironmentFilter()
 
 FilteredEnvironment EnvironmentFilter::filter(std::shared_ptr<const EnvironmentMap> map) const {
     const gl::PassScope scope("environment");
-    const int columns = std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(map->width()))), min_columns,
-                                   max_columns);
+    const int columns = std::clamp(static_cast<int>(std::bit_ceil(static_cast<unsigned>(map->width()))),
+                                   min_columns, max_columns);
     FilteredEnvironment result;
     result.raw = upload_raw(*map);
     result.levels = plan_levels(columns);

@@ -30,8 +30,8 @@ struct FilteredEnvironment {
 
 // Prefilters environment maps on the GPU (de Rousiers et al. 2012, section 4.1). Lives on the GL thread.
 //
-// Level 0 has the concentration of a Gaussian 1.5 texels wide; each level is filtered from a sharper one, with
-// the kernel that A3(kappa_ab) = A3(kappa_a) A3(kappa_b) asks for.
+// Level 0 has the concentration of a Gaussian 1.5 texels wide; each level is filtered from a sharper one,
+// with the kernel that A3(kappa_ab) = A3(kappa_a) A3(kappa_b) asks for.
 class EnvironmentFilter {
   public:
     EnvironmentFilter();

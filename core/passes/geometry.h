@@ -23,15 +23,16 @@ class GeometryBuffer {
 
 enum class Faces { Front, Back };
 
-// Rasterises objects into geometry buffers: front faces, the nearest, or back faces, the farthest (de Rousiers et
-// al. 2012, first pass).
+// Rasterises objects into geometry buffers: front faces, the nearest, or back faces, the farthest (de
+// Rousiers et al. 2012, first pass).
 class GeometryPass {
   public:
     GeometryPass();
     // Empties a part of a buffer.
     void clear(const GeometryBuffer& buffer, Faces faces, const Rect& rect) const;
     // Adds the objects of a group. Front faces carry the group's number beside that of their material.
-    void draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group, int number) const;
+    void draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group,
+              int number) const;
 
   private:
     gl::Program program_;

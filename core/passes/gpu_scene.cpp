@@ -93,8 +93,8 @@ void MaterialCache::upload_slices(const std::vector<SliceKey>& keys) {
         auto& tables = tables_[ndf];
         if (!tables) tables = LobeTables::load_or_build(ndf, cache_folder_);
         const LobeSlice slice = tables->slice(eta, event);
-        glTextureSubImage3D(lobe_tables_.id(), 0, 0, 0, layer, model::LOBE_COSINES, model::LOBE_ROUGHNESSES, 1, GL_RGBA,
-                            GL_FLOAT, slice.data());
+        glTextureSubImage3D(lobe_tables_.id(), 0, 0, 0, layer, model::LOBE_COSINES, model::LOBE_ROUGHNESSES,
+                            1, GL_RGBA, GL_FLOAT, slice.data());
     }
     slices_ = keys;
 }

@@ -5,24 +5,6 @@
 #include <bit>
 
 namespace verglas {
-namespace {
-
-// GL_TEXTURE_MAX_ANISOTROPY of OpenGL 4.6, known to nearly all drivers of 4.5 as an extension.
-constexpr GLenum texture_max_anisotropy = 0x84FE;
-constexpr float anisotropy = 8.0F;
-
-bool has_anisotropic_filtering() {
-    GLint count = 0;
-    glGetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; ++i) {
-        const std::string name = reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)));
-        if (name == "GL_EXT_texture_filter_anisotropic" || name == "GL_ARB_texture_filter_anisotropic") return true;
-    }
-    return false;
-}
-
-}  // namespace
-
 PyramidPass::PyramidPass()
     : base_("full_screen.vert.glsl", "geometry_pyramid.frag.glsl", {"BASE"}),
       reduce_("full_screen.vert.glsl", "geometry_pyramid.frag.glsl"),
@@ -35,7 +17,6 @@ void PyramidPass::build(const gl::Texture& back_faces) {
         const int levels = static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(width, height))));
         normals_ = gl::Texture(GL_RGBA16F, width, height, GL_LINEAR, levels);
         depths_ = gl::Texture(GL_RG32F, width, height, GL_NEAREST, levels);
-        if (has_anisotropic_filtering()) glTextureParameterf(normals_.id(), texture_max_anisotropy, anisotropy);
         framebuffers_.clear();
         for (int level = 0; level < levels; ++level)
             framebuffers_.push_back(gl::Framebuffer({{normals_, level}, {depths_, level}}));

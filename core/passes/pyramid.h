@@ -6,8 +6,8 @@
 
 namespace verglas {
 
-// The pyramid over the back faces (de Rousiers et al. 2012, second pass): distributions of normals and ranges of
-// depth at all scales. Made for the paper's transport and for marching.
+// The pyramid over the back faces (de Rousiers et al. 2012, second pass): distributions of normals and ranges
+// of depth at all scales. Made for the paper's transport and for marching.
 class PyramidPass {
   public:
     PyramidPass();

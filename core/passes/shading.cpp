@@ -10,7 +10,16 @@ namespace verglas {
 namespace {
 
 // Texture units.
-enum Unit : GLuint { front_unit, back_unit, map_unit, atlas_unit, tables_unit, normals_unit, depths_unit, shaded_unit };
+enum Unit : GLuint {
+    front_unit,
+    back_unit,
+    map_unit,
+    atlas_unit,
+    tables_unit,
+    normals_unit,
+    depths_unit,
+    shaded_unit
+};
 
 void begin(const gl::Framebuffer& target, const View& view, const Rect& rect) {
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
@@ -64,12 +73,13 @@ const gl::Program& RefractionPass::program(const Settings& settings) {
     constexpr const char* intersections[] = {"INTERSECTION_NEWTON", "INTERSECTION_MARCH"};
     const std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
                                               intersections[static_cast<int>(settings.intersection)]};
-    return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", defines)).first->second;
+    return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", defines))
+        .first->second;
 }
 
-void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const GeometryBuffer& back,
-                          const PyramidPass* pyramid, const MaterialCache& materials, const ViewGroup& group,
-                          int number) {
+void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
+                          const GeometryBuffer& back, const PyramidPass* pyramid,
+                          const MaterialCache& materials, const ViewGroup& group, int number) {
     const gl::Program& shader = program(inputs.settings);
     shader.use();
     set_environment(shader, inputs);
@@ -94,8 +104,8 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
 BackgroundPass::BackgroundPass()
     : program_("full_screen.vert.glsl", "background.frag.glsl"), empty_(gl::make_vertex_array()) {}
 
-void BackgroundPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const gl::Texture& shaded,
-                          const Rect& region) const {
+void BackgroundPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
+                          const gl::Texture& shaded, const Rect& region) const {
     program_.use();
     set_environment(program_, inputs);
     set_screen_space(program_, inputs);
@@ -108,7 +118,8 @@ void BackgroundPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     glDisable(GL_BLEND);
 }
 
-DataPass::DataPass() : program_("full_screen.vert.glsl", "data_passes.frag.glsl"), empty_(gl::make_vertex_array()) {}
+DataPass::DataPass()
+    : program_("full_screen.vert.glsl", "data_passes.frag.glsl"), empty_(gl::make_vertex_array()) {}
 
 void DataPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const Rect& region) const {
     program_.use();

@@ -23,8 +23,8 @@ struct ShadingInputs {
     const GeometryBuffer& front;
 };
 
-// Shades the front faces of a group from its front and back faces (de Rousiers et al. 2012, third pass), once for
-// each covered pixel.
+// Shades the front faces of a group from its front and back faces (de Rousiers et al. 2012, third pass), once
+// for each covered pixel.
 class RefractionPass {
   public:
     RefractionPass() : empty_(gl::make_vertex_array()) {}

@@ -39,7 +39,8 @@ Rect project(const std::array<glm::vec3, 8>& corners, const glm::mat4& projectio
 
 }  // namespace
 
-std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes, glm::ivec2 size, const Rect& region) {
+std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes, glm::ivec2 size,
+                                     const Rect& region) {
     std::vector<ViewGroup> groups;
     for (const Object& object : scene.objects) {
         if (object.mesh->indices().empty()) continue;
@@ -50,7 +51,8 @@ std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes
         const auto corners = corners_of(*object.mesh, item.model_to_view);
         item.rect = project(corners, scene.camera.projection, size);
         item.diagonal = glm::distance(corners.front(), corners.back());
-        for (int i = 1; i < 4; ++i) item.diagonal = std::max(item.diagonal, glm::distance(corners[i], corners[7 - i]));
+        for (int i = 1; i < 4; ++i)
+            item.diagonal = std::max(item.diagonal, glm::distance(corners[i], corners[7 - i]));
         if (item.rect.intersected(region).empty()) continue;
         const auto fits = [&item](const ViewGroup& group) {
             return std::none_of(group.objects.begin(), group.objects.end(),

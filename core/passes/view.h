@@ -23,8 +23,8 @@ struct ViewObject {
     const Object* object = nullptr;
     const GpuMesh* mesh = nullptr;
     glm::mat4 model_to_view{1.0F};
-    Rect rect;            // pixels that it can cover
-    float diagonal = 0;   // of its bounding box in world units
+    Rect rect;           // pixels that it can cover
+    float diagonal = 0;  // of its bounding box in world units
 };
 
 // Objects whose rectangles don't overlap share their passes, and no pixel of one sees the back of another.
@@ -34,6 +34,7 @@ struct ViewGroup {
 };
 
 // The objects that can be seen in the region, in groups.
-std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes, glm::ivec2 size, const Rect& region);
+std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes, glm::ivec2 size,
+                                     const Rect& region);
 
 }  // namespace verglas

@@ -77,7 +77,9 @@ void def_enum(py::class_<Class>& cls, const char* property, Enum Class::*member,
               const std::array<const char*, N>& names) {
     cls.def_property(
         property, [member, &names](const Class& self) { return names[static_cast<int>(self.*member)]; },
-        [member, &names](Class& self, const std::string& name) { self.*member = enum_of<Enum>(names, name); });
+        [member, &names](Class& self, const std::string& name) {
+            self.*member = enum_of<Enum>(names, name);
+        });
 }
 
 template <typename Class>
@@ -94,8 +96,8 @@ void def_matrix(py::class_<Class>& cls, const char* property, Matrix Class::*mem
         [member](Class& self, const Array<float>& array) { self.*member = matrix_of<Matrix>(array); });
 }
 
-std::shared_ptr<Mesh> make_mesh(const std::string& name, const Array<float>& positions, const Array<float>& normals,
-                                const Array<std::uint32_t>& triangles,
+std::shared_ptr<Mesh> make_mesh(const std::string& name, const Array<float>& positions,
+                                const Array<float>& normals, const Array<std::uint32_t>& triangles,
                                 const std::optional<Array<std::uint16_t>>& slots) {
     auto p = rows_of<glm::vec3>(positions, 3, "positions");
     auto n = rows_of<glm::vec3>(normals, 3, "normals");
@@ -134,12 +136,13 @@ void add_object(Scene& scene, const std::string& name, std::shared_ptr<Mesh> mes
 }
 
 // A view of part of the pixels, which keeps the frame alive: `count` channels from `first`, none for a plane.
-py::array_t<float> channels(const py::object& self, const std::vector<glm::vec4>& pixels, glm::ivec2 size, int first,
-                            int count) {
+py::array_t<float> channels(const py::object& self, const std::vector<glm::vec4>& pixels, glm::ivec2 size,
+                            int first, int count) {
     const auto step = static_cast<py::ssize_t>(sizeof(glm::vec4));
     const float* data = reinterpret_cast<const float*>(pixels.data()) + first;
     if (count == 1) return py::array_t<float>({size.y, size.x}, {step * size.x, step}, data, self);
-    return py::array_t<float>({size.y, size.x, count}, {step * size.x, step, py::ssize_t{sizeof(float)}}, data, self);
+    return py::array_t<float>({size.y, size.x, count}, {step * size.x, step, py::ssize_t{sizeof(float)}},
+                              data, self);
 }
 
 std::optional<Frame> render(Renderer& renderer, const Scene& scene, const Settings& settings,
@@ -154,8 +157,8 @@ std::optional<Frame> render(Renderer& renderer, const Scene& scene, const Settin
 
 void bind_scene(py::module_& module) {
     py::class_<Mesh, std::shared_ptr<Mesh>>(module, "Mesh")
-        .def(py::init(&make_mesh), py::arg("name"), py::arg("positions"), py::arg("normals"), py::arg("triangles"),
-             py::arg("slots") = py::none())
+        .def(py::init(&make_mesh), py::arg("name"), py::arg("positions"), py::arg("normals"),
+             py::arg("triangles"), py::arg("slots") = py::none())
         .def_property_readonly("name", &Mesh::name)
         .def_property_readonly("triangle_count", &Mesh::triangle_count)
         .def_property_readonly("warnings", &Mesh::warnings);
@@ -191,13 +194,14 @@ void bind_scene(py::module_& module) {
         .def_property_readonly("warnings", &EnvironmentMap::warnings);
 
     py::class_<Camera> camera(module, "Camera");
-    camera.def(py::init([](const std::optional<Array<float>>& view, const std::optional<Array<float>>& projection) {
-                   Camera result;
-                   if (view) result.view = matrix_of<glm::mat4>(*view);
-                   if (projection) result.projection = matrix_of<glm::mat4>(*projection);
-                   return result;
-               }),
-               py::arg("view") = py::none(), py::arg("projection") = py::none());
+    camera.def(
+        py::init([](const std::optional<Array<float>>& view, const std::optional<Array<float>>& projection) {
+            Camera result;
+            if (view) result.view = matrix_of<glm::mat4>(*view);
+            if (projection) result.projection = matrix_of<glm::mat4>(*projection);
+            return result;
+        }),
+        py::arg("view") = py::none(), py::arg("projection") = py::none());
     def_matrix(camera, "view", &Camera::view);
     def_matrix(camera, "projection", &Camera::projection);
 
@@ -213,7 +217,8 @@ void bind_scene(py::module_& module) {
                  self.materials.push_back(added);
                  return static_cast<int>(self.materials.size()) - 1;
              })
-        .def("add_object", &add_object, py::arg("name"), py::arg("mesh"), py::arg("matrix"), py::arg("materials"));
+        .def("add_object", &add_object, py::arg("name"), py::arg("mesh"), py::arg("matrix"),
+             py::arg("materials"));
     def_rgb(scene, "environment_color", &Scene::environment_color);
     def_matrix(scene, "environment_rotation", &Scene::environment_rotation);
 }

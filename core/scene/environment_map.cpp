@@ -21,8 +21,8 @@ struct Overlap {
     std::vector<double> weights;  // sum is 1
 };
 
-// How target cell `index` of `targets` covers the `sources` cells of the same interval [0, 1]; measure(a, b) is
-// the size of an interval.
+// How target cell `index` of `targets` covers the `sources` cells of the same interval [0, 1]; measure(a, b)
+// is the size of an interval.
 template <typename Measure>
 Overlap overlap(int index, int targets, int sources, Measure measure) {
     const double begin = static_cast<double>(index) / targets;
@@ -76,8 +76,9 @@ void EnvironmentMap::clean() {
         }
     }
     if (nan + negative + infinite == 0) return;
-    warnings_.push_back("The environment map '" + name_ + "' has values that are no light: " + std::to_string(nan) +
-                        " NaN and " + std::to_string(negative) + " negative ones are taken as 0, " +
+    warnings_.push_back("The environment map '" + name_ +
+                        "' has values that are no light: " + std::to_string(nan) + " NaN and " +
+                        std::to_string(negative) + " negative ones are taken as 0, " +
                         std::to_string(infinite) + " infinite ones as the greatest finite one.");
 }
 

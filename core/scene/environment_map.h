@@ -11,8 +11,8 @@ namespace verglas {
 // An equirectangular picture of the light from far away; orientation as model::environment_uv. Immutable.
 class EnvironmentMap {
   public:
-    // pixels: width x height linear RGB, row 0 at the bottom. NaN and negative values become 0, infinite ones the
-    // map's greatest finite value, with a warning. Throws Error when the sizes don't fit.
+    // pixels: width x height linear RGB, row 0 at the bottom. NaN and negative values become 0, infinite ones
+    // the map's greatest finite value, with a warning. Throws Error when the sizes don't fit.
     EnvironmentMap(std::string name, int width, int height, std::vector<glm::vec3> pixels);
 
     // Reads any file that OpenImageIO knows. srgb: its values are sRGB-encoded. Throws Error with the path.
@@ -24,8 +24,8 @@ class EnvironmentMap {
     const std::vector<glm::vec3>& pixels() const { return pixels_; }
     const std::vector<std::string>& warnings() const { return warnings_; }
 
-    // The map with twice as many columns as rows, each texel the mean over its solid angle. Keeps the integral
-    // over the sphere.
+    // The map with twice as many columns as rows, each texel the mean over its solid angle. Keeps the
+    // integral over the sphere.
     std::vector<glm::vec3> resampled(int columns) const;
 
   private:

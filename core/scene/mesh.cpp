@@ -35,7 +35,8 @@ std::vector<bool> Mesh::usable_triangles(const std::vector<glm::uvec3>& triangle
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         const glm::uvec3& corner = triangles[t];
         if (std::max({corner.x, corner.y, corner.z}) >= positions_.size())
-            throw Error("Mesh '" + name_ + "': triangle " + std::to_string(t) + " names a vertex that doesn't exist.");
+            throw Error("Mesh '" + name_ + "': triangle " + std::to_string(t) +
+                        " names a vertex that doesn't exist.");
         const glm::vec3& a = positions_[corner.x];
         const glm::vec3& b = positions_[corner.y];
         const glm::vec3& c = positions_[corner.z];
@@ -85,7 +86,8 @@ void Mesh::mend_normals() {
             glm::vec3& normal = normals_[indices_[i + corner]];
             if (is_finite(normal) && normal != glm::vec3(0.0F)) continue;
             const glm::vec3& a = positions_[indices_[i]];
-            normal = glm::normalize(glm::cross(positions_[indices_[i + 1]] - a, positions_[indices_[i + 2]] - a));
+            normal =
+                glm::normalize(glm::cross(positions_[indices_[i + 1]] - a, positions_[indices_[i + 2]] - a));
         }
     }
 }

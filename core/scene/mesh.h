@@ -18,10 +18,10 @@ struct MeshPart {
 // An indexed triangle mesh with normals, sorted by material slot. Immutable.
 class Mesh {
   public:
-    // positions and normals: one a vertex, object space. triangles: three vertices each, counter-clockwise seen
-    // from outside. slots: one a triangle, or empty for all 0.
-    // Triangles with a vertex that isn't finite, or without area, are left out with a warning; normals that are
-    // zero or not finite become the triangle's. Throws Error for arrays that don't fit each other.
+    // positions and normals: one a vertex, object space. triangles: three vertices each, counter-clockwise
+    // seen from outside. slots: one a triangle, or empty for all 0. Triangles with a vertex that isn't
+    // finite, or without area, are left out with a warning; normals that are zero or not finite become the
+    // triangle's. Throws Error for arrays that don't fit each other.
     Mesh(std::string name, std::vector<glm::vec3> positions, std::vector<glm::vec3> normals,
          const std::vector<glm::uvec3>& triangles, const std::vector<std::uint16_t>& slots);
 

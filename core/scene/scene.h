@@ -28,8 +28,8 @@ struct Material {
 struct Object {
     std::string name;
     std::shared_ptr<const Mesh> mesh;
-    glm::mat4 matrix{1.0F};        // object -> world
-    std::vector<int> materials;    // by slot; slots past the end take the last
+    glm::mat4 matrix{1.0F};      // object -> world
+    std::vector<int> materials;  // by slot; slots past the end take the last
 };
 
 struct Camera {

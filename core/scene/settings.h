@@ -19,9 +19,12 @@ struct Rect {
     glm::ivec2 size() const { return end - begin; }
     bool empty() const { return end.x <= begin.x || end.y <= begin.y; }
     bool overlaps(const Rect& other) const {
-        return begin.x < other.end.x && other.begin.x < end.x && begin.y < other.end.y && other.begin.y < end.y;
+        return begin.x < other.end.x && other.begin.x < end.x && begin.y < other.end.y &&
+               other.begin.y < end.y;
     }
-    Rect intersected(const Rect& other) const { return {glm::max(begin, other.begin), glm::min(end, other.end)}; }
+    Rect intersected(const Rect& other) const {
+        return {glm::max(begin, other.begin), glm::min(end, other.end)};
+    }
     Rect united(const Rect& other) const { return {glm::min(begin, other.begin), glm::max(end, other.end)}; }
 };
 

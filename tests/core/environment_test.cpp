@@ -33,7 +33,8 @@ struct Lattice {
 
     const glm::vec4& at(int x, int y) const { return texels[std::size_t(y) * (level.columns + 1) + x]; }
     vec3 direction(int x, int y) const {
-        return model::environment_direction({float(x) / float(level.columns), float(y) / float(level.intervals)});
+        return model::environment_direction(
+            {float(x) / float(level.columns), float(y) / float(level.intervals)});
     }
 };
 
@@ -54,8 +55,9 @@ Filtered filter(const std::shared_ptr<const EnvironmentMap>& map) {
         for (const EnvironmentLevel& level : filtered.levels) {
             Lattice lattice{level, {}};
             lattice.texels.resize(std::size_t(level.columns + 1) * (level.intervals + 1));
-            glGetTextureSubImage(filtered.atlas.id(), 0, 0, level.first_row, 0, level.columns + 1, level.intervals + 1, 1,
-                                 GL_RGBA, GL_FLOAT, static_cast<GLsizei>(lattice.texels.size() * sizeof(glm::vec4)),
+            glGetTextureSubImage(filtered.atlas.id(), 0, 0, level.first_row, 0, level.columns + 1,
+                                 level.intervals + 1, 1, GL_RGBA, GL_FLOAT,
+                                 static_cast<GLsizei>(lattice.texels.size() * sizeof(glm::vec4)),
                                  lattice.texels.data());
             result.levels.push_back(std::move(lattice));
         }
@@ -94,12 +96,14 @@ dvec3 brute_force(const EnvironmentMap& map, double kappa, const vec3& direction
                 const double z = -glm::mix(lower, upper, (j + 0.5) / points);
                 const double sine = std::sqrt(1.0 - z * z);
                 for (int i = 0; i < points; ++i) {
-                    const double azimuth = (0.5 - (x + (i + 0.5) / points) / map.width()) * 2.0 * glm::pi<double>();
+                    const double azimuth =
+                        (0.5 - (x + (i + 0.5) / points) / map.width()) * 2.0 * glm::pi<double>();
                     const dvec3 w(sine * std::cos(azimuth), sine * std::sin(azimuth), z);
                     kernel += std::exp(-0.5 * kappa * glm::dot(w - d, w - d));
                 }
             }
-            sum += dvec3(map.pixels()[std::size_t(y) * map.width() + x]) * (solid_angle(map, y) * kernel / double(points * points));
+            sum += dvec3(map.pixels()[std::size_t(y) * map.width() + x]) *
+                   (solid_angle(map, y) * kernel / double(points * points));
         }
     }
     return kappa / (2.0 * glm::pi<double>() * (1.0 - std::exp(-2.0 * kappa))) * sum;
@@ -113,7 +117,8 @@ struct Error3 {
 };
 
 // Compares a level with the truth at random texels, those that see `focus` among them.
-Error3 compare(const Lattice& lattice, const EnvironmentMap& map, int count, const vec3* focus, std::mt19937& random) {
+Error3 compare(const Lattice& lattice, const EnvironmentMap& map, int count, const vec3* focus,
+               std::mt19937& random) {
     double maximum = 0.0;
     for (const glm::vec4& texel : lattice.texels) maximum = std::max(maximum, luminance(dvec3(texel)));
     double relative = 0.0;
@@ -123,7 +128,8 @@ Error3 compare(const Lattice& lattice, const EnvironmentMap& map, int count, con
         int y = 0;
         if (focus != nullptr) {
             // Within three widths of the Gaussian about the focus.
-            std::normal_distribution<float> normal(0.0F, 1.5F / std::sqrt(std::max(lattice.level.kappa, 1.0F)));
+            std::normal_distribution<float> normal(0.0F,
+                                                   1.5F / std::sqrt(std::max(lattice.level.kappa, 1.0F)));
             const vec3 near = glm::normalize(*focus + vec3(normal(random), normal(random), normal(random)));
             const glm::vec2 uv = model::environment_uv(near);
             x = int(std::lround(uv.x * float(lattice.level.columns)));
@@ -131,7 +137,8 @@ Error3 compare(const Lattice& lattice, const EnvironmentMap& map, int count, con
         } else {
             x = int(random() % lattice.level.columns);
             std::uniform_real_distribution<float> cosine(-1.0F, 1.0F);
-            y = int(std::lround((1.0F - std::acos(cosine(random)) / glm::pi<float>()) * float(lattice.level.intervals)));
+            y = int(std::lround((1.0F - std::acos(cosine(random)) / glm::pi<float>()) *
+                                float(lattice.level.intervals)));
         }
         const dvec3 truth = brute_force(map, lattice.level.kappa, lattice.direction(x, y));
         const double difference = std::abs(luminance(dvec3(lattice.at(x, y))) - luminance(truth));
@@ -141,8 +148,8 @@ Error3 compare(const Lattice& lattice, const EnvironmentMap& map, int count, con
     return {relative, worst};
 }
 
-// Trapezoid rule over rows; the integrand f(a) sin(a) has a corner at the poles, where the first term of Euler and
-// Maclaurin's formula, step^2 / 12 f, joins it.
+// Trapezoid rule over rows; the integrand f(a) sin(a) has a corner at the poles, where the first term of
+// Euler and Maclaurin's formula, step^2 / 12 f, joins it.
 double integral(const Lattice& lattice) {
     double sum = 0.0;
     const double step = glm::pi<double>() / lattice.level.intervals;
@@ -150,7 +157,8 @@ double integral(const Lattice& lattice) {
         const bool pole = y == 0 || y == lattice.level.intervals;
         const double weight = pole ? step * step / 12.0 : step * std::sin(step * y);
         for (int x = 0; x < lattice.level.columns; ++x)
-            sum += luminance(dvec3(lattice.at(x, y))) * weight * 2.0 * glm::pi<double>() / lattice.level.columns;
+            sum +=
+                luminance(dvec3(lattice.at(x, y))) * weight * 2.0 * glm::pi<double>() / lattice.level.columns;
     }
     return sum;
 }
@@ -189,10 +197,12 @@ TEST(Environment, LevelsOfBlendersMapsAreTheConvolution) {
     for (const auto& path : maps) {
         const auto map = EnvironmentMap::load(path.string(), false);
         const Filtered filtered = filter(map);
-        std::cout << path.filename() << " " << map->width() << " x " << map->height() << ": " << filtered.seconds << " s\n";
+        std::cout << path.filename() << " " << map->width() << " x " << map->height() << ": "
+                  << filtered.seconds << " s\n";
         for (const Lattice& lattice : filtered.levels) {
             const Error3 error = compare(lattice, *map, 12, nullptr, random);
-            std::cout << "  kappa " << lattice.level.kappa << ": mean relative error " << error.mean_relative << "\n";
+            std::cout << "  kappa " << lattice.level.kappa << ": mean relative error " << error.mean_relative
+                      << "\n";
             EXPECT_LE(error.mean_relative, 0.02) << path << ", kappa " << lattice.level.kappa;
         }
         expect_integrals_kept(filtered, *map);
@@ -202,17 +212,21 @@ TEST(Environment, LevelsOfBlendersMapsAreTheConvolution) {
 // A user loses: a sun that is as bright through rough glass as through clear glass, without flicker or loss.
 TEST(Environment, SunOfOnePixelKeepsItsLight) {
     std::mt19937 random(11);
-    for (const glm::ivec2 at : {glm::ivec2(300, 330), glm::ivec2(1023, 256), glm::ivec2(700, 509), glm::ivec2(10, 0)}) {
+    for (const glm::ivec2 at :
+         {glm::ivec2(300, 330), glm::ivec2(1023, 256), glm::ivec2(700, 509), glm::ivec2(10, 0)}) {
         std::vector<vec3> pixels(1024 * 512, vec3(0.0F));
         pixels[at.y * 1024 + at.x] = vec3(100000.0F);
         const auto map = std::make_shared<const EnvironmentMap>("sun", 1024, 512, pixels);
         const Filtered filtered = filter(map);
         std::cout << "sun at " << at.x << ", " << at.y << ": " << filtered.seconds << " s\n";
-        const vec3 sun = model::environment_direction({(float(at.x) + 0.5F) / 1024.0F, (float(at.y) + 0.5F) / 512.0F});
+        const vec3 sun =
+            model::environment_direction({(float(at.x) + 0.5F) / 1024.0F, (float(at.y) + 0.5F) / 512.0F});
         for (const Lattice& lattice : filtered.levels) {
             const Error3 error = compare(lattice, *map, 24, &sun, random);
-            std::cout << "  kappa " << lattice.level.kappa << ": worst, of the maximum " << error.of_maximum << "\n";
-            EXPECT_LE(error.of_maximum, 0.02) << "sun at " << at.x << ", " << at.y << ", kappa " << lattice.level.kappa;
+            std::cout << "  kappa " << lattice.level.kappa << ": worst, of the maximum " << error.of_maximum
+                      << "\n";
+            EXPECT_LE(error.of_maximum, 0.02)
+                << "sun at " << at.x << ", " << at.y << ", kappa " << lattice.level.kappa;
         }
         expect_integrals_kept(filtered, *map);
     }

@@ -43,9 +43,15 @@ Point draw_point(std::mt19937& random) {
     const float u = unit(random);
     const float critical = model::critical_cosine(point.eta);
     switch (random() % 4) {
-        case 0: point.cosine = glm::clamp(critical + 0.1F * (u - 0.5F), 0.01F, 1.0F); break;
-        case 1: point.cosine = 0.01F + 0.14F * u; break;
-        default: point.cosine = 0.01F + 0.99F * u; break;
+        case 0:
+            point.cosine = glm::clamp(critical + 0.1F * (u - 0.5F), 0.01F, 1.0F);
+            break;
+        case 1:
+            point.cosine = 0.01F + 0.14F * u;
+            break;
+        default:
+            point.cosine = 0.01F + 0.99F * u;
+            break;
     }
     return point;
 }
@@ -89,7 +95,8 @@ TEST(LobeTables, AgreeWithIntegrationOverDirections) {
         const auto text = ::testing::Message()
                           << "ndf " << static_cast<int>(p.ndf) << " event " << static_cast<int>(p.event)
                           << " eta " << p.eta << " roughness " << p.roughness << " cosine " << p.cosine
-                          << ": energy off by " << e.energy << ", " << e.degrees << " degrees, kappa by " << e.kappa << " W " << e.truth;
+                          << ": energy off by " << e.energy << ", " << e.degrees << " degrees, kappa by "
+                          << e.kappa << " W " << e.truth;
         if (!good) std::cout << text << "\n";
         EXPECT_LE(e.energy, 0.03) << text;
         EXPECT_LE(e.degrees, 1.5) << text;

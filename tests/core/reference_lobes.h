@@ -88,11 +88,13 @@ inline Moments integrate(Ndf ndf, double alpha, double eta, LobeEvent event, dou
     const double smallest = 1e-4 * std::min(alpha * alpha + alpha * std::abs(std::log(eta)), 1.0);
     Moments sum;
     for (int r = 0; r < rings; ++r) {
-        const double inner = r == 0 ? 0.0 : smallest * std::pow(glm::pi<double>() / smallest, double(r) / rings);
+        const double inner =
+            r == 0 ? 0.0 : smallest * std::pow(glm::pi<double>() / smallest, double(r) / rings);
         const double outer = smallest * std::pow(glm::pi<double>() / smallest, double(r + 1) / rings);
         const double angle = 0.5 * (inner + outer);
         const double ring = std::cos(inner) - std::cos(outer);
-        const double solid_angle = 2.0 * glm::pi<double>() / sectors * (outer < 1e-3 ? 0.5 * (outer * outer - inner * inner) : ring);
+        const double solid_angle =
+            2.0 * glm::pi<double>() / sectors * (outer < 1e-3 ? 0.5 * (outer * outer - inner * inner) : ring);
         for (int s = 0; s < sectors; ++s) {
             const double azimuth = glm::pi<double>() * (s + 0.5) / sectors;
             const dvec3 i = std::cos(angle) * axis +

@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes the sample scenes that stand beside this script.
+
+    blender --background --factory-startup --python blend_files/make_scenes.py [-- NAME ...]
+
+Every scene is one object of frosted glass at the origin under the same HDR map. All meshes but Blender's
+monkey are closed with outward normals, which is checked; the monkey is open behind its eyes, as Blender
+makes it.
+"""
+
+import sys
+from math import acos, cos, degrees, pi, radians, sin, sqrt, tan
+from pathlib import Path
+
+import bmesh
+import bpy
+from mathutils import Matrix, Vector
+
+FOLDER = Path(__file__).resolve().parent
+ENVIRONMENT = "environments/rooitou_park_1k.exr"
+ENVIRONMENT_ROTATION = radians(160)
+ENGINE = "VERGLAS"
+
+
+# Meshes
+
+def new_mesh(name, bm, smooth):
+    """The bmesh as a mesh, checked to be closed and turned outwards. Frees the bmesh."""
+    for edge in bm.edges:
+        assert len(edge.link_faces) == 2, f"{name}: an edge has {len(edge.link_faces)} faces"
+        assert edge.is_contiguous, f"{name}: neighbouring faces are wound against each other"
+    assert bm.calc_volume(signed=True) > 0, f"{name}: the normals point inwards"
+    for face in bm.faces:
+        face.smooth = smooth
+    mesh = bpy.data.meshes.new(name)
+    bm.to_mesh(mesh)
+    bm.free()
+    return mesh
+
+
+def revolve(profile, segments):
+    """The solid of revolution about Z. profile: (radius, z) from the top pole to the bottom pole."""
+    bm = bmesh.new()
+    top = bm.verts.new((0, 0, profile[0][1]))
+    bottom = bm.verts.new((0, 0, profile[-1][1]))
+    angles = [2 * pi * i / segments for i in range(segments)]
+    rings = [[bm.verts.new((r * cos(a), r * sin(a), z)) for a in angles] for r, z in profile[1:-1]]
+    for i in range(segments):
+        j = (i + 1) % segments
+        bm.faces.new((top, rings[0][i], rings[0][j]))
+        for upper, lower in zip(rings, rings[1:]):
+            bm.faces.new((upper[i], lower[i], lower[j], upper[j]))
+        bm.faces.new((bottom, rings[-1][j], rings[-1][i]))
+    return bm
+
+
+def arc(center, radius, start, end, steps):
+    """Points on a circle in the (radius, z) plane, from angle start to end (degrees, counter-clockwise)."""
+    angles = [radians(start + (end - start) * i / steps) for i in range(steps + 1)]
+    return [(center[0] + radius * cos(a), center[1] + radius * sin(a)) for a in angles]
+
+
+def line(start, end, steps):
+    return [tuple(Vector(start).lerp(end, i / steps)) for i in range(steps + 1)]
+
+
+def shoulder(start, end, steps):
+    """Points from start to end, upright at both."""
+    def smoothstep(t):
+        return t * t * t * (t * (6 * t - 15) + 10)
+    return [(start[0] + (end[0] - start[0]) * smoothstep(i / steps), z)
+            for i, (_, z) in enumerate(line(start, end, steps))]
+
+
+def without_repeats(points):
+    return [p for i, p in enumerate(points) if i == 0 or (Vector(p) - Vector(points[i - 1])).length > 1e-6]
+
+
+def monkey():
+    """Blender's monkey, 63k triangles when subdivided."""
+    bpy.ops.mesh.primitive_monkey_add(size=2)
+    object = bpy.context.object
+    bpy.ops.object.shade_smooth()
+    subdivision = object.modifiers.new("Subdivision", 'SUBSURF')
+    subdivision.levels = subdivision.render_levels = 3
+    return object
+
+
+def sphere():
+    """Radius 1, 20k triangles: a cube whose grid is spread to equal angles and drawn to the sphere."""
+    bm = bmesh.new()
+    bmesh.ops.create_cube(bm, size=2)
+    bmesh.ops.subdivide_edges(bm, edges=bm.edges[:], cuts=40, use_grid_fill=True)
+    for vertex in bm.verts:
+        vertex.co = Vector(tan(pi / 4 * c) for c in vertex.co).normalized()
+    return bpy.data.objects.new("Sphere", new_mesh("Sphere", bm, smooth=True))
+
+
+def lens():
+    """Biconvex, radius 1, its axis along Y, the rim rounded off with a tangent arc."""
+    curvature, rim_radius, radius = 1.6, 0.08, 1.0
+    rim_center = radius - rim_radius
+    # The rim touches both caps from inside: its centre lies curvature - rim_radius from theirs.
+    depth = sqrt((curvature - rim_radius) ** 2 - rim_center ** 2)
+    joint = degrees(acos(rim_center / (curvature - rim_radius)))
+    cap = arc((0, -depth), curvature, 90, joint, 30)
+    rim = arc((rim_center, 0), rim_radius, joint, -joint, 12)
+    bm = revolve(without_repeats(cap + rim + [(r, -z) for r, z in reversed(cap)]), 72)
+    bmesh.ops.rotate(bm, matrix=Matrix.Rotation(pi / 2, 3, 'X'), verts=bm.verts)
+    return bpy.data.objects.new("Lens", new_mesh("Lens", bm, smooth=True))
+
+
+def bottle():
+    """A solid bottle, 2.4 high."""
+    body, neck, corner, lip = 0.55, 0.17, 0.14, 0.06
+    points = [(0, 1.2)]
+    points += line((0.04, 1.2), (neck, 1.2), 3)
+    points += arc((neck, 1.2 - lip), lip, 90, -90, 12)
+    points += line((neck, 1.2 - 2 * lip), (neck, 0.65), 6)
+    points += shoulder((neck, 0.65), (body, 0.05), 28)
+    points += line((body, 0.05), (body, -1.2 + corner), 10)
+    points += arc((body - corner, -1.2 + corner), corner, 0, -90, 10)
+    points += line((body - corner, -1.2), (0, -1.2), 4)
+    bm = revolve(without_repeats(points), 72)
+    return bpy.data.objects.new("Bottle", new_mesh("Bottle", bm, smooth=True))
+
+
+def slab():
+    """A flat pane, 2 x 0.3 x 2, with narrow bevels."""
+    bm = bmesh.new()
+    bmesh.ops.create_cube(bm, size=1, matrix=Matrix.Diagonal((2, 0.3, 2, 1)))
+    bmesh.ops.bevel(bm, geom=bm.edges[:], offset=0.03, segments=3, profile=0.5, affect='EDGES')
+    return bpy.data.objects.new("Slab", new_mesh("Slab", bm, smooth=False))
+
+
+# Everything else
+
+def frosted_glass(roughness):
+    material = bpy.data.materials.new("Frosted Glass")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    output.location = (250, 0)
+    glass = tree.nodes.new("ShaderNodeBsdfGlass")
+    glass.distribution = 'BECKMANN'
+    glass.inputs["Color"].default_value = (1, 1, 1, 1)
+    glass.inputs["Roughness"].default_value = roughness
+    glass.inputs["IOR"].default_value = 1.5
+    tree.links.new(glass.outputs["BSDF"], output.inputs["Surface"])
+    return material
+
+
+def world():
+    world = bpy.data.worlds.new("World")
+    world.use_nodes = True
+    tree = world.node_tree
+    tree.nodes.clear()
+    names = ("TexCoord", "Mapping", "TexEnvironment", "Background", "OutputWorld")
+    coordinates, mapping, texture, background, output = (tree.nodes.new("ShaderNode" + n) for n in names)
+    for i, node in enumerate((coordinates, mapping, texture, background, output)):
+        node.location = (i * 220 - (100 if i < 2 else 0), 0)
+    output.location.x += 80
+    background.location.x += 80
+    mapping.inputs["Rotation"].default_value = (0, 0, ENVIRONMENT_ROTATION)
+    texture.image = bpy.data.images.load(str(FOLDER / ENVIRONMENT))
+    texture.image.filepath = "//" + ENVIRONMENT
+    tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
+    tree.links.new(texture.outputs["Color"], background.inputs["Color"])
+    tree.links.new(background.outputs["Background"], output.inputs["Surface"])
+    return world
+
+
+def camera():
+    data = bpy.data.cameras.new("Camera")
+    data.lens = 50
+    camera = bpy.data.objects.new("Camera", data)
+    camera.location = (0, -5.2, 0.3)
+    camera.rotation_euler = (radians(87), 0, 0)
+    return camera
+
+
+def select_engine(scene):
+    """Stores Verglas as the scene's engine, whether its add-on is enabled here or not."""
+    try:
+        scene.render.engine = ENGINE
+    except TypeError:
+        stand_in = type("StandIn", (bpy.types.RenderEngine,), {"bl_idname": ENGINE, "bl_label": "Verglas"})
+        bpy.utils.register_class(stand_in)
+        scene.render.engine = ENGINE
+
+
+def arrange_windows():
+    """The 3D views look through the camera; the file browsers forget this machine's home."""
+    for screen in bpy.data.screens:
+        for space in (area.spaces.active for area in screen.areas):
+            if space.type == 'VIEW_3D':
+                space.region_3d.view_perspective = 'CAMERA'
+            elif space.type == 'FILE_BROWSER' and space.params:
+                space.params.directory = b"//"
+
+
+SCENES = {  # how to make it, roughness, rotation of the object
+    "monkey": (monkey, 0.35, (0, 0, 0)),
+    "sphere": (sphere, 0.35, (0, 0, 0)),
+    "lens": (lens, 0.3, (0, 0, 0)),
+    "bottle": (bottle, 0.35, (0, 0, 0)),
+    "slab": (slab, 0.4, (0, 0, radians(30))),
+}
+
+
+def make(name):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    make_object, roughness, rotation = SCENES[name]
+    scene = bpy.context.scene
+    object = make_object()
+    if object.name not in scene.collection.all_objects:
+        scene.collection.objects.link(object)
+    object.rotation_euler = rotation
+    object.data.materials.append(frosted_glass(roughness))
+    scene.world = world()
+    scene.camera = camera()
+    scene.collection.objects.link(scene.camera)
+
+    scene.render.resolution_x = scene.render.resolution_y = 512
+    scene.render.resolution_percentage = 100
+    scene.render.filepath = f"//{name}_"
+    scene.view_settings.view_transform = 'Standard'
+    if hasattr(scene, "cycles"):  # for comparison; Debian's Blender comes without OpenImageDenoise
+        scene.cycles.samples = 64
+        scene.cycles.use_denoising = False
+    bpy.context.view_layer.objects.active = object
+    select_engine(scene)
+    arrange_windows()
+    bpy.context.preferences.filepaths.save_version = 0
+    bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / f"{name}.blend"), compress=True)
+
+    mesh = object.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    mesh.calc_loop_triangles()
+    print(f"{name}: {len(mesh.loop_triangles)} triangles")
+
+
+if __name__ == "__main__":
+    arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    for name in arguments or SCENES:
+        make(name)
