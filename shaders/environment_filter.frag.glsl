@@ -16,8 +16,9 @@ uniform float kappa;         // of the kernel, the smallest of all bands
 
 layout(location = 0) out vec4 radiance;
 
-// Where the kernel has fallen to exp(-7) of its peak, it ends.
-const float REACH = 7.0;
+// The kernel ends where it has fallen to exp(-cut) of its peak. Wide ones reach on, since dark places may be lit by
+// their tails alone, and are cheap.
+float kernel_cut() { return kappa > 1000.0 ? 7.0 : 16.0; }
 
 // The first band whose angle may exceed the given one.
 int first_band(float angle) {
@@ -43,7 +44,7 @@ void main() {
     vec2 half_angle = vec2(sin(0.5 * angle), cos(0.5 * angle));
 
     // 1 - cos(gamma) = 2 sin^2((a - a') / 2) + 2 sin a sin a' sin^2((u - u') / 2) <= reach
-    float reach = min(REACH / kappa, 2.0);
+    float reach = min(kernel_cut() / kappa, 2.0);
     float reach_angle = acos(1.0 - reach);
     int band_count = textureSize(bands, 0).y;
 

@@ -6,7 +6,8 @@
 
 namespace verglas::model {
 
-// clang-format off: each file may use those before it.
+// Each file may use those before it.
+// clang-format off
 #include "shaders/lib/constants.glsl"
 #include "shaders/lib/fresnel.glsl"
 #include "shaders/lib/microfacet.glsl"

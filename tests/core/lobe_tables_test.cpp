@@ -106,5 +106,31 @@ TEST(LobeTables, AgreeWithIntegrationOverDirections) {
     EXPECT_GE(within, 190);
 }
 
+// A user loses: a quick start from the cache, and correct pictures when a file of it is damaged.
+TEST(LobeTables, CacheIsUsedAndMended) {
+    const auto folder = std::filesystem::temp_directory_path() / "verglas_cache_test";
+    std::filesystem::remove_all(folder);
+    const LobeSlice built = LobeTables::load_or_build(Ndf::Ggx, folder)->slice(1.5F, LobeEvent::Refract);
+    const auto file = LobeTables::cache_file(Ndf::Ggx, folder);
+    ASSERT_TRUE(std::filesystem::exists(file));
+    const auto size = std::filesystem::file_size(file);
+
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_EQ(LobeTables::load_or_build(Ndf::Ggx, folder)->slice(1.5F, LobeEvent::Refract), built);
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 0.5);
+
+    std::fstream(file, std::ios::in | std::ios::out | std::ios::binary).seekp(100000).put('x').put('y');
+    EXPECT_EQ(LobeTables::load_or_build(Ndf::Ggx, folder)->slice(1.5F, LobeEvent::Refract), built);
+    std::filesystem::resize_file(file, size / 2);
+    EXPECT_EQ(LobeTables::load_or_build(Ndf::Ggx, folder)->slice(1.5F, LobeEvent::Refract), built);
+    EXPECT_EQ(std::filesystem::file_size(file), size);
+    std::filesystem::remove_all(folder);
+}
+
+// A user loses: renders where the cache can't be written, such as on a read-only home.
+TEST(LobeTables, WorkWithoutCache) {
+    EXPECT_NE(LobeTables::load_or_build(Ndf::Beckmann, "/proc/nowhere"), nullptr);
+}
+
 }  // namespace
 }  // namespace verglas
