@@ -155,7 +155,8 @@ void main() {
     float roughness = material.color_roughness.w;
     float ior = material.reflection_ior.w;
 
-    Lobe front = refracted_lobe(material.tables.x, ior, roughness, d, n, tir);
+    // Beyond the critical angle of an object thinner than its surroundings, the front reflects all.
+    Lobe front = refracted_lobe(material.tables.x, ior, roughness, d, n, TIR_NONE);
     vec4 behind = texelFetch(back_faces, ivec2(gl_FragCoord.xy), 0);
     vec3 sum;
     if (behind.w < 0.0) {

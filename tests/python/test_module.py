@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The core from Python, outside of Blender."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import verglas_core as verglas
+from conftest import gradient_map, scene_of, settings_of, sphere
+
+
+def test_sphere_shows_the_world_through_glass(renderer, glass_sphere):
+    """A scripter loses: the picture, with the world upside down in it, as a solid sphere shows it."""
+    frame = renderer.render(glass_sphere, settings_of(reflection=False))
+    picture = frame.combined
+    assert picture.shape == (96, 96, 4) and picture.dtype == np.float32
+    assert np.isfinite(picture).all() and (picture[..., 3] == 1).all()
+    middle = slice(40, 56)
+    # blue is up and red is right in the background; through the sphere they are swapped
+    assert picture[90, middle, 2].mean() > picture[5, middle, 2].mean()
+    assert picture[58, middle, 2].mean() < picture[38, middle, 2].mean()
+    assert picture[middle, 90, 0].mean() > picture[middle, 5, 0].mean()
+    assert picture[middle, 58, 0].mean() < picture[middle, 38, 0].mean()
+
+
+def test_white_world_shows_the_energy_of_glass(renderer, glass_sphere):
+    """A user loses: glass that neither glows nor swallows light under a uniform world."""
+    glass_sphere.environment_map = None
+    glass_sphere.environment_color = (2, 2, 2)
+    frame = renderer.render(glass_sphere, settings_of())
+    inside = frame.depth < 1e9
+    assert frame.combined[~inside][:, :3] == pytest.approx(2.0)
+    assert frame.combined[inside][:, :3].max() < 2.05
+    assert frame.combined[48, 48, 0] > 1.7  # straight through, only a little is reflected inside
+
+
+def test_depth_and_normal(renderer, glass_sphere):
+    """A compositor loses: depth along the camera's axis and normals in world space."""
+    frame = renderer.render(glass_sphere, settings_of())
+    assert frame.depth[48, 48] == pytest.approx(3.0, abs=0.02)
+    assert frame.normal[48, 48] == pytest.approx([0, -1, 0], abs=0.05)
+    assert frame.depth[0, 0] == pytest.approx(1e10) and not frame.normal[0, 0].any()
+
+
+def test_region_is_a_part_of_the_whole(renderer, glass_sphere):
+    """A user loses: render borders that show the same pixels as the whole picture."""
+    whole = renderer.render(glass_sphere, settings_of(samples=2)).combined
+    part = renderer.render(glass_sphere, settings_of(samples=2, region=(20, 30, 40, 25))).combined
+    assert part.shape == (25, 40, 4)
+    assert np.array_equal(part, whole[30:55, 20:60])
+
+
+def test_transparent_film(renderer, glass_sphere):
+    """A compositor loses: pictures without background, glass opaque in alpha as in Cycles."""
+    frame = renderer.render(glass_sphere, settings_of(transparent=True))
+    inside = frame.depth < 1e9
+    assert (frame.combined[inside][:, 3] == 1).all() and not frame.combined[~inside].any()
+
+
+def test_samples_smooth_the_rim(renderer, glass_sphere):
+    """A user loses: antialiasing: the rim's alpha takes values between 0 and 1."""
+    alpha = renderer.render(glass_sphere, settings_of(samples=8, transparent=True)).combined[..., 3]
+    assert ((alpha > 0.05) & (alpha < 0.95)).sum() > 50
+
+
+def test_mirrored_object_is_the_mirrored_picture(renderer):
+    """A user loses: mirrored instances, whose triangles are turned inside out."""
+    squashed = np.diag([0.6, 1.0, 1.0, 1.0])
+    squashed[0, 2] = 0.4  # sheared: not its own mirror image
+    mirror = np.diag([-1.0, 1, 1, 1])
+    material = verglas.Material("Glass")
+    pictures = []
+    for matrix in squashed, mirror @ squashed:
+        scene = scene_of(("Sphere", sphere(), matrix), material=material)
+        scene.environment_map = None
+        scene.environment_color = (1, 1, 1)
+        pictures.append(renderer.render(scene, settings_of()).combined)
+    assert np.abs(pictures[0] - pictures[1][:, ::-1]).mean() < 2e-3
+
+
+def test_objects_behind_each_other_keep_their_own_backs(renderer):
+    """A user loses: glass in front of glass that looks as it does alone."""
+    ball = sphere()
+    alone = scene_of(("Front", ball, np.diag([0.4, 0.4, 0.4, 1.0])))
+    behind = np.eye(4)
+    behind[1, 3] = 3.0
+    both = scene_of(("Behind", ball, behind), ("Front", ball, np.diag([0.4, 0.4, 0.4, 1.0])))
+    settings = settings_of()
+    single = renderer.render(alone, settings)
+    pair = renderer.render(both, settings)
+    front = single.depth < 1e9
+    assert np.allclose(pair.combined[front], single.combined[front], atol=1e-5)
+    assert (pair.depth < 1e9).sum() > front.sum()
+
+
+@pytest.mark.parametrize("transport", ["BUNDLE", "PAPER", "SINGLE"])
+@pytest.mark.parametrize("intersection", ["NEWTON", "MARCH"])
+def test_every_way_through_the_object(renderer, glass_sphere, transport, intersection):
+    """A researcher loses: a baseline to compare with; all see about the same sphere."""
+    usual = renderer.render(glass_sphere, settings_of()).combined
+    frame = renderer.render(glass_sphere, settings_of(transport=transport, intersection=intersection))
+    assert np.isfinite(frame.combined).all()
+    assert np.abs(frame.combined - usual).mean() < 0.03
+
+
+@pytest.mark.parametrize("tir", ["NONE", "INCIDENT", "CLAMP"])
+def test_total_internal_reflection_modes(renderer, glass_sphere, tir):
+    """A user loses: the choice of what becomes of total internal reflection; none is the darkest."""
+    dropped = renderer.render(glass_sphere, settings_of(tir="NONE")).combined.mean()
+    assert renderer.render(glass_sphere, settings_of(tir=tir)).combined.mean() >= dropped - 1e-6
+
+
+@pytest.mark.parametrize("roughness", [0.0, 1.0])
+@pytest.mark.parametrize("ior", [0.2, 0.75, 1.0, 1.5, 3.5])
+@pytest.mark.parametrize("ndf", ["BECKMANN", "GGX", "BLINN_PHONG"])
+def test_extreme_materials_stay_finite(renderer, roughness, ior, ndf):
+    """A user loses: sliders that may be drawn to their ends without black or burnt-out pixels."""
+    material = verglas.Material("Extreme")
+    material.roughness, material.ior, material.ndf = roughness, ior, ndf
+    scene = scene_of(("Sphere", sphere(), np.eye(4)), material=material)
+    picture = renderer.render(scene, settings_of()).combined
+    assert np.isfinite(picture).all() and picture.min() >= 0 and picture.max() <= 1.05
+
+
+def test_ior_one_is_invisible(renderer):
+    """A user loses: IOR 1.0 as no glass at all (but for the masking of rough facets, as in Cycles)."""
+    material = verglas.Material("Air")
+    material.ior, material.roughness = 1.0, 0.05
+    scene = scene_of(("Sphere", sphere(), np.eye(4)), material=material)
+    seen = renderer.render(scene, settings_of()).combined
+    empty = renderer.render(scene_of(), settings_of()).combined
+    differs = np.abs(seen - empty).max(axis=-1) > 0.03
+    assert differs.sum() <= 20  # of 3000 pixels: a few at the rim graze the sphere
+
+
+def test_absorption_follows_beer_and_lambert(renderer, glass_sphere):
+    """A user loses: coloured glass that darkens with its thickness; at the centre 2 units long."""
+    clear = verglas.Material("Clear")
+    clear.roughness = 0.0
+    tinted = verglas.Material("Tinted")
+    tinted.roughness, tinted.absorption = 0.0, (0.0, 0.5, 1.0)
+    ratio = np.ones(3)
+    pictures = []
+    for material in clear, tinted:
+        scene = scene_of(("Sphere", sphere(segments=256), np.eye(4)), material=material)
+        pictures.append(renderer.render(scene, settings_of(reflection=False)).combined[48, 48, :3])
+    ratio = pictures[1] / pictures[0]
+    assert ratio == pytest.approx(np.exp([0.0, -1.0, -2.0]), rel=0.02)
+
+
+def test_open_surface_bends_light_once(renderer):
+    """A user loses: a plane of glass that is seen rather than black."""
+    plane = verglas.Mesh("Plane", [[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], [[0, -1, 0]] * 4,
+                         [[0, 1, 2], [0, 2, 3]])
+    picture = renderer.render(scene_of(("Plane", plane, np.eye(4))), settings_of()).combined
+    assert picture[48, 48, [0, 2]].min() > 0.3  # the gradient has no green before the camera
+
+
+def test_camera_inside_or_object_behind_it(renderer):
+    """A user loses: odd camera positions without fault or broken pixels."""
+    for offset in 4.0, 8.0:
+        matrix = np.eye(4)
+        matrix[1, 3] = -offset
+        picture = renderer.render(scene_of(("Sphere", sphere(), matrix)), settings_of()).combined
+        assert np.isfinite(picture).all()
+
+
+def test_progress_and_cancel(renderer, glass_sphere):
+    """A user loses: a progress bar, and Esc."""
+    seen = []
+
+    def note(done, total):
+        seen.append((done, total))
+        return True
+
+    renderer.render(glass_sphere, settings_of(samples=3), note)
+    assert seen == [(1, 3), (2, 3), (3, 3)]
+    assert renderer.render(glass_sphere, settings_of(samples=50), lambda done, total: done < 2) is None
+
+
+def test_exception_in_progress_reaches_the_caller(renderer, glass_sphere):
+    """A scripter loses: errors of their own callback."""
+    def fail(done, total):
+        raise KeyError("mine")
+    with pytest.raises(KeyError):
+        renderer.render(glass_sphere, settings_of(), fail)
+    assert renderer.render(glass_sphere, settings_of()) is not None
+
+
+def test_renders_are_deterministic(renderer, glass_sphere):
+    """A user loses: animations without flicker: the same scene is the same picture, to the bit."""
+    first = renderer.render(glass_sphere, settings_of(samples=4)).combined
+    assert np.array_equal(first, renderer.render(glass_sphere, settings_of(samples=4)).combined)
+
+
+def test_errors_name_what_is_wrong(renderer, glass_sphere):
+    """A scripter loses: a sentence that says which value is wrong."""
+    with pytest.raises(verglas.Error, match="BUNDEL"):
+        settings_of(transport="BUNDEL")
+    with pytest.raises(verglas.Error, match="region"):
+        renderer.render(glass_sphere, settings_of(region=(200, 0, 10, 10)))
+    with pytest.raises(verglas.Error, match="Lost"):
+        verglas.Scene().add_object("Lost", sphere(), np.eye(4), [0])
+    with pytest.raises(verglas.Error, match="Skew"):
+        glass_sphere.add_object("Skew", sphere(), np.full((4, 4), np.nan), [0])
+    with pytest.raises(verglas.Error, match="pixels|room"):
+        renderer.render(glass_sphere, settings_of(width=1000000))
+    assert renderer.render(glass_sphere, settings_of()) is not None
+
+
+def test_smallest_picture(renderer, glass_sphere):
+    """A user loses: thumbnails down to one pixel."""
+    assert renderer.render(glass_sphere, settings_of(width=1, height=1)).combined.shape == (1, 1, 4)
+
+
+def test_environment_is_reused_and_exchanged(renderer, glass_sphere):
+    """A user loses: a new world in the next frame."""
+    first = renderer.render(glass_sphere, settings_of()).combined
+    glass_sphere.environment_map = verglas.EnvironmentMap("black", np.zeros((4, 8, 3), np.float32))
+    assert not renderer.render(glass_sphere, settings_of()).combined[..., :3].any()
+    glass_sphere.environment_map = gradient_map()
+    assert np.array_equal(first, renderer.render(glass_sphere, settings_of()).combined)
+
+
+def run_elsewhere(code, **environment):
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True,
+                          env={**os.environ, **environment})
+
+
+def test_machine_without_egl_gets_one_sentence(tmp_path):
+    """A user loses: a clear sentence where no OpenGL is to be had."""
+    empty = tmp_path / "egl_vendor.d"
+    empty.mkdir()
+    code = "import verglas_core; verglas_core.Renderer()"
+    result = run_elsewhere(code, __EGL_VENDOR_LIBRARY_DIRS=str(empty))
+    assert result.returncode == 1
+    assert "Verglas found no OpenGL 4.5 through EGL" in result.stderr.splitlines()[-1]
+
+
+def test_device_can_be_chosen():
+    """A user loses: the choice of the GPU, and a sentence where the number is none."""
+    code = "import verglas_core; print(verglas_core.Renderer().device)"
+    assert run_elsewhere(code, VERGLAS_EGL_DEVICE="0").stdout.strip()
+    assert "VERGLAS_EGL_DEVICE is '99'" in run_elsewhere(code, VERGLAS_EGL_DEVICE="99").stderr
+
+
+def test_module_exports_nothing_but_its_entry():
+    """A user loses: Blender, which would crash on symbols that clash with its own libraries."""
+    nm = subprocess.run(["nm", "-D", "--defined-only", verglas.__file__], capture_output=True, text=True)
+    names = [line.split()[-1] for line in nm.stdout.splitlines()]
+    foreign = [name for name in names if any(part in name for part in ("tbb", "OpenImageIO", "7verglas"))]
+    assert "PyInit_verglas_core" in names and not foreign
