@@ -56,7 +56,7 @@ Band make_band(double angle, double solid_angle, int blocks, int row, double kap
 // Columns of a row that count as one: those of an arc of at most `rows` rows.
 int block_size(double sine, double rows, int columns) {
     const double fitting = std::clamp(rows / std::max(sine, 1e-9), 1.0, static_cast<double>(columns));
-    return static_cast<int>(std::bit_floor(static_cast<unsigned>(fitting)));
+    return 1 << (std::bit_width(static_cast<unsigned>(fitting)) - 1);
 }
 
 // Arcs of a quarter of a row keep the place and width of a small sun near a pole.

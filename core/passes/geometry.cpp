@@ -58,8 +58,10 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
         for (const MeshPart& part : item.object->mesh->parts()) {
             const int slot = std::min(part.slot, static_cast<int>(materials.size()) - 1);
             program_.set("material", materials[slot]);
+            // OpenGL takes the offset into the buffer as a pointer.
+            const std::uintptr_t offset = std::uintptr_t{part.first} * sizeof(std::uint32_t);
             glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.count), GL_UNSIGNED_INT,
-                           reinterpret_cast<const void*>(std::uintptr_t{part.first} * sizeof(std::uint32_t)));
+                           reinterpret_cast<const void*>(offset));  // NOLINT(performance-no-int-to-ptr)
         }
     }
     glDisable(GL_CULL_FACE);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/scene/environment_map.h"
 
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -83,13 +82,14 @@ void EnvironmentMap::clean() {
 }
 
 std::shared_ptr<const EnvironmentMap> EnvironmentMap::load(const std::string& path, bool srgb) {
-    OIIO::ImageBuf image(path);
-    if (!image.read(0, 0, true, OIIO::TypeDesc::FLOAT))
-        throw Error("The environment map '" + path + "' can't be read: " + image.geterror());
-    const OIIO::ImageSpec& spec = image.spec();
+    // Read past OpenImageIO's cache, which would go by what a file held before it was replaced, and which
+    // Blender may share.
+    const auto input = OIIO::ImageInput::open(path);
+    if (!input) throw Error("The environment map '" + path + "' can't be read: " + OIIO::geterror());
+    const OIIO::ImageSpec& spec = input->spec();
     std::vector<float> values(std::size_t(spec.width) * spec.height * spec.nchannels);
-    if (!image.get_pixels(image.roi(), OIIO::TypeDesc::FLOAT, values.data()))
-        throw Error("The environment map '" + path + "' can't be read: " + image.geterror());
+    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()))
+        throw Error("The environment map '" + path + "' can't be read: " + input->geterror());
 
     const auto linear = [srgb](float v) {
         if (!srgb) return v;
@@ -110,6 +110,7 @@ std::shared_ptr<const EnvironmentMap> EnvironmentMap::load(const std::string& pa
 std::vector<glm::vec3> EnvironmentMap::resampled(int columns) const {
     const int rows = columns / 2;
     std::vector<Overlap> across;
+    across.reserve(columns);
     for (int x = 0; x < columns; ++x)
         across.push_back(overlap(x, columns, width_, [](double a, double b) { return b - a; }));
     std::vector<glm::vec3> result(std::size_t(columns) * rows);

@@ -270,6 +270,20 @@ TEST(Environment, SunBeyondHalfFloat) {
     expect_integrals_kept(filter(map), *map);
 }
 
+// A user loses: a map that is painted over, and seen as it is now, whatever its size was before.
+TEST(Environment, ReadsAFileThatWasReplaced) {
+    const auto path = std::filesystem::temp_directory_path() / "verglas_replaced.ppm";
+    for (const int size : {2, 64}) {
+        std::ofstream file(path, std::ios::binary);
+        file << "P6 " << size << " " << size << " 255 " << std::string(3 * size * size, '\xff');
+        file.close();
+        const auto map = EnvironmentMap::load(path.string(), false);
+        EXPECT_EQ(map->width(), size);
+        EXPECT_EQ(map->pixels().back(), vec3(1.0F));
+    }
+    std::filesystem::remove(path);
+}
+
 // A user loses: a clear sentence with the file's name where a map is missing or broken.
 TEST(Environment, NamesTheFileThatCannotBeRead) {
     const auto broken = std::filesystem::temp_directory_path() / "verglas_broken.hdr";

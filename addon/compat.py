@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every difference between the Blender versions 3.4 to 5.2 that matters here."""
+
+import bpy
+import numpy as np
+
+VERSION: tuple[int, int, int] = bpy.app.version
+
+TRANSMISSION = ("Transmission Weight", "Transmission")
+"""Names of Principled BSDF's transmission input; it was renamed in 4.0."""
+
+ADOPTED_PANELS = (
+    'EEVEE_MATERIAL_PT_context_material',
+    'EEVEE_MATERIAL_PT_surface',
+    'EEVEE_MATERIAL_PT_volume',
+    'EEVEE_WORLD_PT_surface',
+)
+"""Built-in panels that users of any engine need but that don't offer themselves to all."""
+
+LINEAR_COLOR_SPACES = frozenset({'Linear', 'Linear Rec.709', 'Non-Color', 'Raw'})
+"""Names of the image colour spaces whose values are scene-linear already ('Linear' until 3.6)."""
+
+
+def principled_transmission_tint(base_color: np.ndarray) -> np.ndarray:
+    """RGB factor of one refraction through Principled BSDF: the base colour until 3.6, from 4.0
+    its square root, so that entering and leaving together give the base colour."""
+    return base_color if VERSION < (4, 0, 0) else np.sqrt(np.clip(base_color, 0.0, 1.0))
+
+
+def principled_reflection_tint(base_color: np.ndarray, specular_tint: np.ndarray) -> np.ndarray:
+    """RGB factor of Principled BSDF's reflection: Specular Tint blends to the base colour until 3.6;
+    from 4.0 it is a colour itself."""
+    return 1.0 - specular_tint + base_color * specular_tint if VERSION < (4, 0, 0) else specular_tint
+
+
+def has_vertex_normals(mesh: bpy.types.Mesh) -> bool:
+    """Whether the faces at a vertex share one normal: all smooth, nothing sharp, nothing custom."""
+    if VERSION >= (4, 1, 0):
+        return mesh.normals_domain == 'POINT'
+    if mesh.use_auto_smooth:
+        return False
+    smooth = np.empty(len(mesh.polygons), bool)
+    mesh.polygons.foreach_get("use_smooth", smooth)
+    return bool(smooth.all())
+
+
+def corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(C, 3) float32 normals of the face corners: flat, sharp and custom ones included. Until 4.0
+    Blender stores them in the mesh, so it must be a temporary one."""
+    normals = np.empty(3 * len(mesh.loops), np.float32)
+    if VERSION >= (4, 1, 0):
+        mesh.corner_normals.foreach_get("vector", normals)
+    else:
+        mesh.calc_normals_split()
+        mesh.loops.foreach_get("normal", normals)
+    return normals.reshape(-1, 3)
+
+
+def world_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
+    """The evaluated world; view layers can override the scene's from 4.3."""
+    override = getattr(depsgraph.view_layer_eval, "world_override", None)
+    return override or depsgraph.scene_eval.world
+
+
+def write_pass(render_pass: bpy.types.RenderPass, pixels: np.ndarray) -> None:
+    """Fill a pass of the render result. pixels: float32, one value for each pixel and channel,
+    row 0 at the bottom. Older versions count pixels where newer ones count values."""
+    pixels = np.ascontiguousarray(pixels, np.float32)
+    try:
+        render_pass.rect.foreach_set(pixels.reshape(-1))
+    except TypeError:
+        render_pass.rect.foreach_set(pixels.reshape(-1, render_pass.channels))

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The VERGLAS render engine: final frames and a simple rendered viewport."""
+
+import bpy
+
+from . import compat, faults, renderer, sync, viewport
+from . import verglas_core as core
+from .sync import camera, settings, world
+
+
+class VerglasRenderEngine(bpy.types.RenderEngine):
+    bl_idname = 'VERGLAS'
+    bl_label = "Verglas"
+    bl_use_shading_nodes_custom = False
+    bl_use_eevee_viewport = True
+
+    viewport_picture: viewport.Picture | None = None
+
+    def update_render_passes(self, scene, view_layer):
+        self.register_pass(scene, view_layer, "Combined", 4, "RGBA", 'COLOR')
+        if view_layer.use_pass_z:
+            self.register_pass(scene, view_layer, "Depth", 1, "Z", 'VALUE')
+        if view_layer.use_pass_normal:
+            self.register_pass(scene, view_layer, "Normal", 3, "XYZ", 'VECTOR')
+
+    def render(self, depsgraph):
+        """One view layer of one frame."""
+        try:
+            frame = self._frame(depsgraph)
+        except (faults.Fault, core.Error) as fault:
+            self.report({'ERROR'}, str(fault))
+            return
+        if frame is not None:
+            self._write(frame, depsgraph.view_layer.name)
+
+    def _frame(self, depsgraph: bpy.types.Depsgraph) -> core.Frame | None:
+        """None when the user has cancelled."""
+        warn = faults.warner(self)
+        camera_object = self.camera_override or depsgraph.scene_eval.camera
+        if camera_object is None:
+            raise faults.Fault(f"Scene '{depsgraph.scene.name}' has no camera.")
+        self.update_stats("", "Verglas | scene")
+        width, height = self.resolution_x, self.resolution_y
+        scene = sync.scene_from(depsgraph, warn)
+        scene.camera = camera.from_blender(
+            camera_object.evaluated_get(depsgraph), depsgraph, width, height, warn)
+        render_settings = settings.from_blender(depsgraph.scene_eval, width, height, warn)
+        return renderer.render(scene, render_settings, self._progress)
+
+    def _progress(self, done: int, total: int) -> bool:
+        """Whether to go on."""
+        self.update_progress(done / total)
+        self.update_stats("", f"Verglas | sample {done}/{total}")
+        return not self.test_break()
+
+    def _write(self, frame: core.Frame, view_layer: str) -> None:
+        height, width = frame.depth.shape
+        pictures = {"Combined": frame.combined, "Depth": frame.depth, "Normal": frame.normal}
+        result = self.begin_result(0, 0, width, height, layer=view_layer)
+        for render_pass in result.layers[0].passes:
+            if render_pass.name in pictures:
+                compat.write_pass(render_pass, pictures[render_pass.name])
+        self.end_result(result)
+
+    def view_update(self, context, depsgraph):
+        self.viewport_picture = viewport.Picture(self, depsgraph)
+
+    def view_draw(self, context, depsgraph):
+        self.viewport_picture.draw(self, context, depsgraph.scene_eval)
+
+
+@bpy.app.handlers.persistent
+def _on_load(*_) -> None:
+    world.forget_maps()
+
+
+def register():
+    faults.register()
+    renderer.register()
+    bpy.app.handlers.load_pre.append(_on_load)
+    bpy.utils.register_class(VerglasRenderEngine)
+
+
+def unregister():
+    bpy.utils.unregister_class(VerglasRenderEngine)
+    bpy.app.handlers.load_pre.remove(_on_load)
+    world.forget_maps()
+    renderer.unregister()
+    faults.unregister()

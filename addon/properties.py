@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings that Verglas adds to scenes and materials."""
+
+import bpy
+from bpy.props import (
+    BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty,
+)
+
+
+class VerglasSceneSettings(bpy.types.PropertyGroup):
+    samples: IntProperty(
+        name="Samples",
+        description="Jittered samples for each pixel. They smooth edges; the glass has no noise to remove",
+        default=16, min=1, max=65536, soft_max=256,
+    )
+    filter_width: FloatProperty(
+        name="Filter Width",
+        description="Width of the Blackman-Harris pixel filter",
+        default=1.5, min=0.01, max=10.0, subtype='PIXEL',
+    )
+    transport: EnumProperty(
+        name="Transport",
+        description="How light crosses the object",
+        items=(
+            ('BUNDLE', "Bundle", "Four rays, each refracted by the normal at its own exit; the most exact"),
+            ('PAPER', "Paper", "One lobe against the exit region's mean normal (de Rousiers et al. 2012)"),
+            ('SINGLE', "Single", "One ray along the lobe's axis"),
+        ),
+        default='BUNDLE',
+    )
+    intersection: EnumProperty(
+        name="Intersection",
+        description="How a ray finds the back of the object",
+        items=(
+            ('NEWTON', "Newton", "Newton steps on the tangent planes of the back; fast"),
+            ('MARCH', "March", "March through the depth map; for comparison"),
+        ),
+        default='NEWTON',
+    )
+    tir: EnumProperty(
+        name="Total Internal Reflection",
+        description="What becomes of light that cannot leave the glass",
+        items=(
+            ('NONE', "None", "It is lost"),
+            ('INCIDENT', "Incident", "It goes on unrefracted"),
+            ('CLAMP', "Clamp", "It leaves along the surface"),
+        ),
+        default='CLAMP',
+    )
+    reflection: BoolProperty(
+        name="Reflection",
+        description="Reflect the world in the front of the glass, where the material does",
+        default=True,
+    )
+
+
+class VerglasMaterialSettings(bpy.types.PropertyGroup):
+    ndf: EnumProperty(
+        name="Distribution",
+        description="Distribution of microfacet normals",
+        items=(
+            ('NODES', "From Nodes", "As the material's shader node says"),
+            ('BECKMANN', "Beckmann", "Gaussian slopes"),
+            ('GGX', "GGX", "Long tails, as ground glass has"),
+            ('BLINN_PHONG', "Blinn-Phong", "Cosine power, as in the paper"),
+        ),
+        default='NODES',
+    )
+    absorption_color: FloatVectorProperty(
+        name="Absorption Color",
+        description="Color that remains of white light inside, where the material has no volume node",
+        subtype='COLOR', size=3, min=0.0, max=1.0, default=(0.8, 0.8, 0.8),
+    )
+    absorption_density: FloatProperty(
+        name="Absorption Density",
+        description="Absorption for each unit of length, as in the Volume Absorption node; 0 is clear",
+        default=0.0, min=0.0, soft_max=100.0,
+    )
+
+
+_classes = (VerglasSceneSettings, VerglasMaterialSettings)
+
+
+def register():
+    for cls in _classes:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.verglas = PointerProperty(type=VerglasSceneSettings)
+    bpy.types.Material.verglas = PointerProperty(type=VerglasMaterialSettings)
+
+
+def unregister():
+    del bpy.types.Material.verglas
+    del bpy.types.Scene.verglas
+    for cls in reversed(_classes):
+        bpy.utils.unregister_class(cls)

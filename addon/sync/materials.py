@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender materials to core materials, with the meaning that Cycles gives to the standard nodes."""
+
+import bpy
+import numpy as np
+
+from .. import compat
+from .. import verglas_core as core
+from ..faults import Warn
+from . import nodes
+
+NDF_OF_DISTRIBUTION = {
+    'BECKMANN': 'BECKMANN',
+    'GGX': 'GGX',
+    'MULTI_GGX': 'GGX',
+    'SHARP': 'BECKMANN',
+}
+"""The core's distribution for a node's; SHARP has no roughness, so that either would do."""
+
+IOR_RANGE = (1.0 / 3.0, 3.0)
+"""The indices of refraction that the core has tables for."""
+
+
+def default_glass(name: str) -> core.Material:
+    """What an object without a readable material is made of."""
+    glass = core.Material(name)
+    glass.roughness = 0.25
+    glass.ior = 1.5
+    glass.fresnel = True
+    return glass
+
+
+def from_blender(material: bpy.types.Material, warn: Warn) -> core.Material | None:
+    """None where the material has no glass in it."""
+    owner = f"Material '{material.name}'"
+    if not material.use_nodes or material.node_tree is None:
+        warn(f"{owner} doesn't use nodes; it is rendered as glass of roughness 0.25.")
+        glass = default_glass(material.name)
+        _apply_panel(material, glass, has_volume=False)
+        return glass
+    output = nodes.output_node(material.node_tree)
+    glass = _surface(material, output, owner, warn) if output else None
+    if glass is not None:
+        has_volume = _volume(output, glass, owner, warn)
+        _apply_panel(material, glass, has_volume)
+        _warn_of_displacement(output, owner, warn)
+    return glass
+
+
+def _surface(material: bpy.types.Material, output: bpy.types.Node, owner: str,
+             warn: Warn) -> core.Material | None:
+    """The first glass node that feeds the output's Surface; other shaders beside it are warned of."""
+    ignored = []
+    glass = None
+    for shader, groups in nodes.shader_nodes(nodes.Input(output.inputs["Surface"])):
+        read = _READERS.get(shader.type)
+        if glass is None and read is not None:
+            glass = read(material.name, nodes.Node(shader, groups, owner, warn))
+            if glass is not None:
+                continue
+        ignored.append(nodes.title(shader))
+    if glass is not None and ignored:
+        warn(f"{owner}: only its first glass node is rendered; not supported yet beside it: "
+             f"{', '.join(dict.fromkeys(ignored))}.")
+    return glass
+
+
+def _glass_bsdf(name: str, node: nodes.Node) -> core.Material:
+    glass = _microfacet(name, node)
+    glass.fresnel = True
+    glass.color = node.color("Color")
+    glass.reflection_color = glass.color
+    return glass
+
+
+def _refraction_bsdf(name: str, node: nodes.Node) -> core.Material:
+    glass = _microfacet(name, node)
+    glass.fresnel = False
+    glass.color = node.color("Color")
+    return glass
+
+
+def _principled_bsdf(name: str, node: nodes.Node) -> core.Material | None:
+    metallic = np.clip(node.scalar("Metallic"), 0.0, 1.0)
+    transmission = np.clip(node.scalar(*compat.TRANSMISSION), 0.0, 1.0) * (1.0 - metallic)
+    if transmission == 0.0:
+        return None
+    if transmission < 1.0:
+        node.warn(f"lets only {transmission:.0%} of the light through, which isn't supported yet; "
+                  "it is rendered as glass altogether")
+    if node.scalar("Alpha", default=1.0) < 1.0:
+        node.warn("has an Alpha below 1, which isn't supported yet; it is rendered as 1")
+    base_color = node.color("Base Color")
+    glass = _microfacet(name, node)
+    glass.fresnel = True
+    glass.color = compat.principled_transmission_tint(base_color)
+    glass.reflection_color = compat.principled_reflection_tint(base_color, node.color("Specular Tint"))
+    if node.node.distribution == 'GGX':
+        smoothness = (1.0 - glass.roughness) * (1.0 - node.scalar("Transmission Roughness"))
+        glass.roughness = 1.0 - smoothness
+    return glass
+
+
+_READERS = {
+    'BSDF_GLASS': _glass_bsdf,
+    'BSDF_REFRACTION': _refraction_bsdf,
+    'BSDF_PRINCIPLED': _principled_bsdf,
+}
+
+
+def _microfacet(name: str, node: nodes.Node) -> core.Material:
+    """What the three glass nodes have in common."""
+    glass = core.Material(name)
+    distribution = node.node.distribution
+    glass.ndf = NDF_OF_DISTRIBUTION[distribution]
+    glass.roughness = 0.0 if distribution == 'SHARP' else float(np.clip(node.scalar("Roughness"), 0.0, 1.0))
+    glass.ior = _ior(node)
+    if node.is_linked("Normal"):
+        node.warn("has a linked Normal, which isn't supported yet; the mesh's own normals are used")
+    return glass
+
+
+def _ior(node: nodes.Node) -> float:
+    ior = node.scalar("IOR")
+    clamped = float(np.clip(ior, *IOR_RANGE))
+    if not np.isclose(ior, clamped):
+        node.warn(f"has an IOR of {ior:g}; it is rendered with {clamped:.3g}, as indices reach from 1/3 to 3")
+    return clamped
+
+
+def _volume(output: bpy.types.Node, glass: core.Material, owner: str, warn: Warn) -> bool:
+    """Sets the absorption from the output's Volume; returns whether anything is linked to it."""
+    volumes = list(nodes.shader_nodes(nodes.Input(output.inputs["Volume"])))
+    absorbing = next((volume for volume in volumes if volume[0].type == 'VOLUME_ABSORPTION'), None)
+    if absorbing is not None:
+        node = nodes.Node(*absorbing, owner, warn)
+        glass.absorption = _absorption(node.color("Color"), node.scalar("Density"))
+    ignored = dict.fromkeys(nodes.title(node) for node, groups in volumes if (node, groups) != absorbing)
+    if ignored:
+        warn(f"{owner}: only one Volume Absorption is rendered; not supported yet beside it: "
+             f"{', '.join(ignored)}.")
+    return bool(volumes)
+
+
+def _apply_panel(material: bpy.types.Material, glass: core.Material, has_volume: bool) -> None:
+    """What the Verglas panel adds to the nodes."""
+    settings = material.verglas
+    if settings.ndf != 'NODES':
+        glass.ndf = settings.ndf
+    if settings.absorption_density > 0.0 and not has_volume:
+        glass.absorption = _absorption(np.array(settings.absorption_color), settings.absorption_density)
+
+
+def _absorption(color: np.ndarray, density: float) -> np.ndarray:
+    """(3,) sigma_a per unit of length, as Cycles' Volume Absorption defines it."""
+    return max(density, 0.0) * np.maximum(1.0 - color, 0.0)
+
+
+def _warn_of_displacement(output: bpy.types.Node, owner: str, warn: Warn) -> None:
+    source = nodes.Input(output.inputs["Displacement"]).source()
+    if source.node is not None:
+        warn(f"{owner}: '{nodes.title(source.node)}' displaces the surface, which isn't supported yet; "
+             "it is left out.")

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render properties to core settings."""
+
+import bpy
+import numpy as np
+
+from .. import verglas_core as core
+from ..faults import Warn
+
+
+def from_blender(scene: bpy.types.Scene, width: int, height: int, warn: Warn) -> core.Settings:
+    """Of a final frame. width, height: of the whole frame in pixels, resolution percentage included."""
+    settings = viewport(scene, width, height)
+    settings.region = border(scene.render, width, height)
+    settings.samples = scene.verglas.samples
+    if scene.render.use_motion_blur:
+        warn(f"Scene '{scene.name}' has motion blur, which isn't supported yet; it is rendered sharp.")
+    if scene.render.use_multiview:
+        warn(f"Scene '{scene.name}' is stereoscopic, which isn't supported yet; all views show the same.")
+    return settings
+
+
+def viewport(scene: bpy.types.Scene, width: int, height: int) -> core.Settings:
+    """Of a quick picture of width x height pixels: one sample."""
+    settings = core.Settings()
+    settings.width = width
+    settings.height = height
+    settings.samples = 1
+    settings.filter_width = scene.verglas.filter_width
+    settings.transparent = scene.render.film_transparent
+    settings.transport = scene.verglas.transport
+    settings.intersection = scene.verglas.intersection
+    settings.tir = scene.verglas.tir
+    settings.reflection = scene.verglas.reflection
+    return settings
+
+
+def border(render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int] | None:
+    """The render border as (x, y, width, height) in pixels, rounded in float32 as Blender does;
+    None without one. Blender wants the border's pixels alone, whether it crops to them or not."""
+    if not render.use_border:
+        return None
+    low = np.float32([render.border_min_x, render.border_min_y])
+    high = np.float32([render.border_max_x, render.border_max_y])
+    size = np.float32([width, height])
+    left, bottom = (low * size).astype(int).tolist()
+    right, top = (high * size).astype(int).tolist()
+    return left, bottom, right - left, top - bottom

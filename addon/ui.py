@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Verglas' own panels, and the built-in ones that stay visible with it."""
+
+import textwrap
+
+import bpy
+
+from . import compat, faults
+
+ENGINE = 'VERGLAS'
+
+EXCLUDED_PANELS = {
+    'DATA_PT_camera_stereoscopy',
+    'RENDER_PT_stereoscopy',
+}
+"""Built-in panels for what Verglas doesn't support."""
+
+
+class VerglasPanel:
+    bl_space_type = 'PROPERTIES'
+    bl_region_type = 'WINDOW'
+    bl_context = "render"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine in cls.COMPAT_ENGINES
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        self.draw_settings(context, self.layout)
+
+
+class VERGLAS_RENDER_PT_messages(VerglasPanel, bpy.types.Panel):
+    bl_label = "Warnings"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and bool(faults.warnings())
+
+    def draw_settings(self, context, layout):
+        characters = max(20, int(context.region.width / context.preferences.system.ui_scale / 7.0))
+        for sentence in faults.warnings():
+            column = layout.column(align=True)
+            for i, line in enumerate(textwrap.wrap(sentence, characters)):
+                column.label(text=line, icon='NONE' if i else 'ERROR')
+
+
+class VERGLAS_RENDER_PT_sampling(VerglasPanel, bpy.types.Panel):
+    bl_label = "Sampling"
+
+    def draw_settings(self, context, layout):
+        layout.prop(context.scene.verglas, "samples")
+        layout.prop(context.scene.verglas, "filter_width")
+
+
+class VERGLAS_RENDER_PT_glass(VerglasPanel, bpy.types.Panel):
+    bl_label = "Glass"
+
+    def draw_settings(self, context, layout):
+        settings = context.scene.verglas
+        layout.prop(settings, "transport")
+        layout.prop(settings, "intersection")
+        layout.prop(settings, "tir")
+        layout.prop(settings, "reflection")
+
+
+class VERGLAS_RENDER_PT_film(VerglasPanel, bpy.types.Panel):
+    bl_label = "Film"
+    bl_options = {'DEFAULT_CLOSED'}
+
+    def draw_settings(self, context, layout):
+        layout.prop(context.scene.render, "film_transparent", text="Transparent")
+
+
+class VERGLAS_VIEWLAYER_PT_passes(VerglasPanel, bpy.types.Panel):
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw_settings(self, context, layout):
+        layer = context.view_layer
+        column = layout.column(heading="Include")
+        column.prop(layer, "use_pass_z", text="Depth")
+        column.prop(layer, "use_pass_normal", text="Normal")
+
+
+class VERGLAS_MATERIAL_PT_glass(VerglasPanel, bpy.types.Panel):
+    bl_label = "Verglas"
+    bl_context = "material"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.material is not None
+
+    def draw_settings(self, context, layout):
+        settings = context.material.verglas
+        layout.prop(settings, "ndf")
+        layout.prop(settings, "absorption_color")
+        layout.prop(settings, "absorption_density")
+
+
+_classes = (
+    VERGLAS_RENDER_PT_messages,
+    VERGLAS_RENDER_PT_sampling,
+    VERGLAS_RENDER_PT_glass,
+    VERGLAS_RENDER_PT_film,
+    VERGLAS_VIEWLAYER_PT_passes,
+    VERGLAS_MATERIAL_PT_glass,
+)
+
+
+def built_in_panels():
+    """Blender's panels that make sense with Verglas."""
+    for panel in bpy.types.Panel.__subclasses__():
+        offered = 'BLENDER_RENDER' in getattr(panel, 'COMPAT_ENGINES', ())
+        if offered and panel.__name__ not in EXCLUDED_PANELS:
+            yield panel
+    for name in compat.ADOPTED_PANELS:
+        panel = getattr(bpy.types, name, None)
+        if panel is not None:
+            yield panel
+
+
+def register():
+    for cls in _classes:
+        bpy.utils.register_class(cls)
+    for panel in built_in_panels():
+        panel.COMPAT_ENGINES.add(ENGINE)
+
+
+def unregister():
+    for panel in built_in_panels():
+        panel.COMPAT_ENGINES.discard(ENGINE)
+    for cls in reversed(_classes):
+        bpy.utils.unregister_class(cls)
