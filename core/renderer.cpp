@@ -64,10 +64,16 @@ Rect region_of(const Settings& settings) {
     return settings.region ? settings.region->intersected(frame) : frame;
 }
 
+// GROUP_SIZE of shaders/geometry_buffer.glsl.
+constexpr std::size_t max_materials = 4096;
+
 void check(const Scene& scene, const Settings& settings) {
     if (settings.size.x < 1 || settings.size.y < 1) throw Error("A picture needs at least one pixel.");
     if (settings.samples < 1) throw Error("A picture needs at least one sample.");
     if (region_of(settings).empty()) throw Error("The render region lies outside of the picture.");
+    if (scene.materials.size() > max_materials)
+        throw Error("The scene has " + std::to_string(scene.materials.size()) +
+                    " materials; Verglas renders up to " + std::to_string(max_materials) + ".");
     for (const Object& object : scene.objects) {
         for (const int material : object.materials) {
             if (material < 0 || material >= static_cast<int>(scene.materials.size()))

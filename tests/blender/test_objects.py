@@ -94,6 +94,7 @@ def test_user_mesh_is_not_changed(scene):
     """Rendering would leave split normals or triangles behind in the user's mesh."""
     monkey = add_monkey(frosted())
     set_smooth(monkey.data, False)
+
     def state():
         return len(monkey.data.vertices), len(monkey.data.loops), monkey.data.users, len(bpy.data.meshes)
 

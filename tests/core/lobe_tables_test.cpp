@@ -20,7 +20,12 @@ using glm::vec3;
 std::shared_ptr<const LobeTables> tables_of(Ndf ndf) {
     static std::map<Ndf, std::shared_ptr<const LobeTables>> cache;
     auto& tables = cache[ndf];
-    if (!tables) tables = LobeTables::build(ndf);
+    if (!tables) {
+        const auto begin = std::chrono::steady_clock::now();
+        tables = LobeTables::build(ndf);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+        std::cout << "tables of distribution " << static_cast<int>(ndf) << ": " << seconds.count() << " s\n";
+    }
     return tables;
 }
 

@@ -4,6 +4,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -222,6 +223,30 @@ def test_environment_is_reused_and_exchanged(renderer, glass_sphere):
     assert not renderer.render(glass_sphere, settings_of()).combined[..., :3].any()
     glass_sphere.environment_map = gradient_map()
     assert np.array_equal(first, renderer.render(glass_sphere, settings_of()).combined)
+
+
+START = """
+import time
+begin = time.perf_counter()
+import numpy as np
+import verglas_core as verglas
+from conftest import camera, scene_of, settings_of, sphere
+scene = scene_of(("Sphere", sphere(segments=256), np.eye(4)))
+pixels = np.random.default_rng(1).random((512, 1024, 3), np.float32)
+scene.environment_map = verglas.EnvironmentMap("1k", pixels)
+verglas.Renderer().render(scene, settings_of(width=512, height=512))
+print(time.perf_counter() - begin)
+"""
+
+
+def test_start_to_first_pixel(renderer, glass_sphere, capsys):
+    """A user loses: a first picture soon after the start; the time is printed, not judged."""
+    renderer.render(glass_sphere, settings_of())  # fills the caches of tables and of the driver's shaders
+    folder = str(Path(__file__).parent)
+    result = run_elsewhere(START, PYTHONPATH=os.pathsep.join([folder, os.environ.get("PYTHONPATH", "")]))
+    with capsys.disabled():
+        print(f" start to first picture, 1k map, cached tables: {float(result.stdout):.2f} s ", end="")
+    assert float(result.stdout) > 0.0
 
 
 def run_elsewhere(code, **environment):
