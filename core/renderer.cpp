@@ -91,7 +91,7 @@ class Renderer::Device {
 
     void prepare(const Scene& scene, const Settings& settings);
     void draw_sample(const Scene& scene, const Settings& settings, int sample);
-    Frame finish(const Scene& scene, const Settings& settings);
+    Frame finish(const Settings& settings);
 
   private:
     void draw_data(const ShadingInputs& inputs, const Rect& region);
@@ -137,17 +137,18 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size),
                     settings.size};
     const ShadingInputs inputs{view, scene, settings, *environment_, targets_->front};
+    const bool with_pyramid = RefractionPass::needs_pyramid(settings);
     geometry_.clear(targets_->front, Faces::Front, {glm::ivec2(0), settings.size});
     for (int number = 0; number < static_cast<int>(groups_.size()); ++number) {
         const ViewGroup& group = groups_[number];
         {
             const gl::PassScope pass("back faces");
             const gl::Timers::Scope timer(timers_, "back_faces");
-            geometry_.clear(targets_->back, Faces::Back, group.rect);
+            // The pyramid's coarse levels see all of the frame.
+            geometry_.clear(targets_->back, Faces::Back, with_pyramid ? Rect{{}, settings.size} : group.rect);
             geometry_.draw(targets_->back, Faces::Back, view, group, number);
             pass.check();
         }
-        const bool with_pyramid = RefractionPass::needs_pyramid(settings);
         if (with_pyramid) {
             const gl::PassScope pass("geometry pyramid");
             const gl::Timers::Scope timer(timers_, "pyramid");
@@ -188,7 +189,7 @@ void Renderer::Device::draw_data(const ShadingInputs& inputs, const Rect& region
     pass.check();
 }
 
-Frame Renderer::Device::finish(const Scene& /*scene*/, const Settings& settings) {
+Frame Renderer::Device::finish(const Settings& settings) {
     const Clock::time_point begin = Clock::now();
     const gl::PassScope scope("readback");
     const Rect region = region_of(settings);
@@ -218,7 +219,7 @@ std::optional<Frame> Renderer::render(const Scene& scene, const Settings& settin
         thread_.run([&] { device_->draw_sample(scene, settings, sample); });
         if (progress && !progress(sample + 1, settings.samples)) return std::nullopt;
     }
-    return thread_.run([&] { return device_->finish(scene, settings); });
+    return thread_.run([&] { return device_->finish(settings); });
 }
 
 }  // namespace verglas

@@ -7,6 +7,7 @@ uniform sampler2D front_faces;
 uniform sampler2D back_faces;
 uniform mat4 projection;
 uniform vec2 frame_size;
+uniform vec4 object_rect;  // pixels that the shaded object can cover: begin, end
 
 bool is_perspective() { return projection[3][3] == 0.0; }
 
@@ -32,11 +33,11 @@ vec3 at_depth(vec3 position, float depth) {
     return is_perspective() ? position * (depth / -position.z) : vec3(position.xy, -depth);
 }
 
-// Back faces under a point; w is negative where there are none.
+// Back faces under a point; w is negative where the object has none. Beyond its rectangle lie those of others.
 vec4 back_face(vec3 position) {
     vec2 pixel = pixel_of(position);
     bool inside = position.z < 0.0 || !is_perspective();
-    inside = inside && all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, frame_size));
+    inside = inside && all(greaterThanEqual(pixel, object_rect.xy)) && all(lessThan(pixel, object_rect.zw));
     return inside ? texelFetch(back_faces, ivec2(pixel), 0) : vec4(-1.0);
 }
 

@@ -97,6 +97,7 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     for (const ViewObject& item : group.objects) {
         begin(target, inputs.view, item.rect);
         shader.set("bound", item.diagonal);
+        shader.set("object_rect", glm::vec4(item.rect.begin, item.rect.end));
         gl::draw_full_screen(empty_);
     }
 }

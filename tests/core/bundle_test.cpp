@@ -9,29 +9,17 @@
 
 #include "core/material/lobe_model.h"
 #include "core/material/lobe_tables.h"
+#include "tests/core/reference_lobes.h"
 
 namespace verglas {
 namespace {
 
 using glm::dvec3;
 using glm::vec3;
+using reference::fresnel;
+using reference::masking;
 
 constexpr double ior = 1.5;
-
-double masking(double alpha, double cosine) {
-    const double tangent = std::sqrt(std::max(0.0, 1.0 - cosine * cosine)) / cosine;
-    const double a = 1.0 / (alpha * tangent);
-    return a < 1.6 ? (3.535 * a + 2.181 * a * a) / (1.0 + 2.276 * a + 2.577 * a * a) : 1.0;
-}
-
-double fresnel(double cos_i, double eta) {
-    const double sin_t = std::sqrt(std::max(0.0, 1.0 - cos_i * cos_i)) / eta;
-    if (sin_t >= 1.0) return 1.0;
-    const double cos_t = std::sqrt(1.0 - sin_t * sin_t);
-    const double s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    const double p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
-    return 0.5 * (s * s + p * p);
-}
 
 // One random path through a rough interface: direction d becomes the refracted one, the result is Walter's
 // weight for Blinn-Phong normals drawn from D(m) (m.n).
@@ -52,7 +40,8 @@ double refract(dvec3& d, const dvec3& n, double eta, double exponent, std::mt199
     d = glm::normalize(d / eta + (o_m / eta - std::sqrt(cos2_t)) * m);
     const double i_n = -glm::dot(d, n);
     if (i_n <= 0.0) return 0.0;
-    return o_m * masking(alpha, o_n) * masking(alpha, i_n) * (1.0 - fresnel(o_m, eta)) / (o_n * cos_m);
+    return o_m * masking(Ndf::BlinnPhong, alpha, o_n) * masking(Ndf::BlinnPhong, alpha, i_n) *
+           (1.0 - fresnel(o_m, eta)) / (o_n * cos_m);
 }
 
 struct ExitLobe {

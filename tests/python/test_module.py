@@ -196,6 +196,20 @@ def test_renders_are_deterministic(renderer, glass_sphere):
     assert np.array_equal(first, renderer.render(glass_sphere, settings_of(samples=4)).combined)
 
 
+@pytest.mark.parametrize("intersection", ["NEWTON", "MARCH"])
+def test_earlier_pictures_leave_no_trace(intersection):
+    """A user loses: frames that don't depend on what stood elsewhere in the frame before."""
+    def at(x):
+        matrix = np.diag([0.5, 0.5, 0.5, 1.0])
+        matrix[0, 3] = x
+        return scene_of(("Sphere", sphere(), matrix))
+
+    settings = settings_of(intersection=intersection)
+    used, fresh = verglas.Renderer(), verglas.Renderer()
+    used.render(at(-0.6), settings)
+    assert np.array_equal(used.render(at(0.6), settings).combined, fresh.render(at(0.6), settings).combined)
+
+
 def test_errors_name_what_is_wrong(renderer, glass_sphere):
     """A scripter loses: a sentence that says which value is wrong."""
     with pytest.raises(verglas.Error, match="BUNDEL"):
