@@ -214,6 +214,7 @@ Renderer::~Renderer() {
 std::optional<Frame> Renderer::render(const Scene& scene, const Settings& settings,
                                       const Progress& progress) {
     check(scene, settings);
+    const std::lock_guard lock(rendering_);
     thread_.run([&] { device_->prepare(scene, settings); });
     for (int sample = 0; sample < settings.samples; ++sample) {
         thread_.run([&] { device_->draw_sample(scene, settings, sample); });

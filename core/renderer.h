@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,7 +26,7 @@ struct Frame {
     std::map<std::string, double> pass_seconds;  // GPU time, summed over samples
 };
 
-// Owns the GL thread and what has been uploaded. May be used by one thread at a time.
+// Owns the GL thread and what has been uploaded.
 class Renderer {
   public:
     // Throws Error where EGL or OpenGL 4.5 is missing.
@@ -37,7 +38,8 @@ class Renderer {
     // Called after each sample with (done, all) on the calling thread; false ends the render.
     using Progress = std::function<bool(int, int)>;
 
-    // Waits for the picture; nothing when progress ended it. Throws Error.
+    // Waits for the picture, and before that for those that other threads have asked for; nothing when
+    // progress ended it. Throws Error.
     std::optional<Frame> render(const Scene& scene, const Settings& settings, const Progress& progress = {});
 
   private:
@@ -45,6 +47,7 @@ class Renderer {
 
     gl::Thread thread_;
     std::unique_ptr<Device> device_;
+    std::mutex rendering_;
 };
 
 }  // namespace verglas

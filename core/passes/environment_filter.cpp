@@ -20,10 +20,12 @@ constexpr float sharpest_texels = 1.5F;
 // The last level is nearly uniform.
 constexpr float bluntest_kappa = 0.2F;
 constexpr int least_level_columns = 16;
-// Wide kernels are no exact convolutions of each other; such levels are small and come from a much sharper
-// one.
-constexpr float wide_kappa = 64.0F;
-constexpr int wide_step = 6;
+// The level that a level is filtered from. The wider the kernels are, the less exactly they are convolutions
+// of each other, so the sharper the source; wide levels are small, and so still cheap.
+int source_level(int level, float kappa) {
+    const int step = kappa > 64.0F ? 1 : kappa > 8.0F ? 4 : 6;
+    return std::max(level - step, 0);
+}
 
 // For ENVIRONMENT_LEVEL_RATIO 2: columns follow the width of the Gaussian, 1, 3/4, 1/2, 3/8, ... of level
 // 0's, so that blocks of a power of two columns, near the poles, divide them.
@@ -192,7 +194,7 @@ FilteredEnvironment EnvironmentFilter::filter(std::shared_ptr<const EnvironmentM
         const glm::ivec2 size(level.columns, level.intervals);
         const auto source = [&]() -> Source {
             if (l == 0) return {source_map, columns, map_bands(columns, level.kappa), 0.5F};
-            const int from = level.kappa > wide_kappa ? l - 1 : std::max(l - wide_step, 0);
+            const int from = source_level(l, level.kappa);
             const float sharper = model::spread_from_kappa(result.levels[from].kappa);
             const float spread = (model::spread_from_kappa(level.kappa) - sharper) / (1.0F - sharper);
             return {lattices[from], result.levels[from].columns,

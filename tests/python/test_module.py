@@ -4,6 +4,7 @@
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -291,3 +292,11 @@ def test_module_exports_nothing_but_its_entry():
     names = [line.split()[-1] for line in nm.stdout.splitlines()]
     foreign = [name for name in names if any(part in name for part in ("tbb", "OpenImageIO", "7verglas"))]
     assert "PyInit_verglas_core" in names and not foreign
+
+
+def test_threads_take_turns(renderer, glass_sphere):
+    """A user loses: F12 while the viewport draws, both through one renderer."""
+    expected = renderer.render(glass_sphere, settings_of(samples=4)).combined
+    with ThreadPoolExecutor(3) as pool:
+        frames = pool.map(lambda _: renderer.render(glass_sphere, settings_of(samples=4)).combined, range(6))
+        assert all(np.array_equal(frame, expected) for frame in frames)
