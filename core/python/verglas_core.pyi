@@ -160,5 +160,6 @@ class Renderer:
         settings: Settings,
         progress: Callable[[int, int], bool] | None = None,
     ) -> Frame | None:
-        """Waits for the picture, with the GIL released, and for those that other threads have asked for. progress(done, total) is called after each
-        sample on the calling thread; when it returns False the render ends and None is returned."""
+        """Waits for the picture, with the GIL released, and for those that other threads have asked for.
+        progress(done, total) is called after each sample on the calling thread; when it returns False
+        the render ends and None is returned."""
