@@ -23,11 +23,3 @@ SHARED float kappa_from_spread(float spread) {
     }
     return kappa;
 }
-
-// Peak alpha of a spherical Gaussian with energy 1 and concentration kappa > 0.
-SHARED float spherical_gaussian_peak(float kappa) { return kappa / (2.0f * PI * (1.0f - exp(-2.0f * kappa))); }
-
-// Spread of the convolution of two lobes: A3(kappa_ab) = A3(kappa_a) A3(kappa_b).
-SHARED float convolved_spread(float spread_a, float spread_b) {
-    return spread_a + spread_b - spread_a * spread_b;
-}
