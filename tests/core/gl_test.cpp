@@ -51,9 +51,7 @@ TEST(Gl, SeveralContextsLiveSideBySide) {
 // A developer loses: the file's name and the compiler's words for a shader that doesn't compile.
 TEST(Gl, ShaderErrorsNameTheFile) {
     gl::Thread thread;
-    const auto build = [] {
-        gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", {"Lobe 3"});
-    };
+    const auto build = [] { gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", {"Lobe 3"}); };
     try {
         thread.run(build);
         FAIL();
