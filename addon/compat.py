@@ -21,6 +21,11 @@ LINEAR_COLOR_SPACES = frozenset({'Linear', 'Linear Rec.709', 'Non-Color', 'Raw'}
 """Names of the image colour spaces whose values are scene-linear already ('Linear' until 3.6)."""
 
 
+def uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
+    """Whether nodes define it; from 5.0 they always do, and asking use_nodes warns."""
+    return owner.node_tree is not None and (VERSION >= (5, 0, 0) or owner.use_nodes)
+
+
 def principled_transmission_tint(base_color: np.ndarray) -> np.ndarray:
     """RGB factor of one refraction through Principled BSDF: the base colour until 3.6, from 4.0
     its square root, so that entering and leaving together give the base colour."""

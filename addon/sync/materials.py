@@ -33,7 +33,7 @@ def default_glass(name: str) -> core.Material:
 def from_blender(material: bpy.types.Material, warn: Warn) -> core.Material | None:
     """None where the material has no glass in it."""
     owner = f"Material '{material.name}'"
-    if not material.use_nodes or material.node_tree is None:
+    if not compat.uses_nodes(material):
         warn(f"{owner} doesn't use nodes; it is rendered as glass of roughness 0.25.")
         glass = default_glass(material.name)
         _apply_panel(material, glass, has_volume=False)

@@ -28,7 +28,7 @@ def set_environment(scene: core.Scene, world: bpy.types.World | None, warn: Warn
     if world is None:
         warn("The scene has no world: nothing lights the glass.")
         return
-    if not world.use_nodes or world.node_tree is None:
+    if not compat.uses_nodes(world):
         scene.environment_color = tuple(world.color)
         return
     owner = f"World '{world.name}'"

@@ -93,12 +93,17 @@ def set_smooth(mesh: bpy.types.Mesh, smooth: bool) -> None:
     mesh.update()
 
 
+def use_nodes(owner: bpy.types.Material | bpy.types.World) -> None:
+    if bpy.app.version < (5, 0, 0):  # from 5.0 they always do
+        owner.use_nodes = True
+
+
 def new_material(name: str = "Glass", node: str | None = "ShaderNodeBsdfGlass",
                  **inputs) -> bpy.types.Material:
     """A material with one shader node; keywords name its inputs ('Base_Color' is "Base Color") or,
     in lower case, its properties."""
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    use_nodes(material)
     tree = material.node_tree
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -149,7 +154,7 @@ def new_group(kind: str, inputs: dict[str, str], outputs: dict[str, str]) -> bpy
 
 def set_background(scene: bpy.types.Scene, color=(1.0, 1.0, 1.0), strength: float = 1.0) -> bpy.types.Node:
     """Makes the world one Background node and returns it."""
-    scene.world.use_nodes = True
+    use_nodes(scene.world)
     tree = scene.world.node_tree
     tree.nodes.clear()
     background = add_node(tree, "ShaderNodeBackground", Color=(*color, 1), Strength=strength)

@@ -73,8 +73,8 @@ def error(truth: Picture, scene: bpy.types.Scene, transport: str = 'BUNDLE') -> 
 
 @pytest.mark.parametrize("shape, bound", [("monkey", 0.05), ("sphere", 0.03)])
 def test_small_picture(truths, shape, bound):
-    """The glass would not look like glass: the bound holds Cycles' own noise at 64 samples too."""
-    found = error(truths[shape, 128, 64], build(shape, 128))
+    """The glass would not look like glass: the bound holds Cycles' own noise at 128 samples too."""
+    found = error(truths[shape, 128, 128], build(shape, 128))
     print(f"{shape}, 128 x 128: relative MSE {found:.4f}")
     assert found <= bound
 
@@ -83,7 +83,7 @@ def test_small_picture(truths, shape, bound):
 @pytest.mark.parametrize("shape", ["monkey", "sphere"])
 def test_orientation(truths, shape, flip):
     """The environment would be seen mirrored or upside down through the glass."""
-    truth = truths[shape, 128, 64]
+    truth = truths[shape, 128, 128]
     picture = render(build(shape, 128))
     mask = picture.mask & picture.mask[flip]
     right = relative_mse(picture.rgb, truth.rgb, mask)
