@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/gl/debug.h"
 #include "core/gl/timer.h"
+#include "core/math/low_discrepancy.h"
 #include "core/math/pixel_filter.h"
 #include "core/passes/geometry.h"
 #include "core/passes/gpu_scene.h"
@@ -133,7 +134,8 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     const Clock::time_point begin = Clock::now();
     const gl::PassScope scope("sample");
     const Rect region = region_of(settings);
-    const glm::vec2 offset = blackman_harris_offset(sample, settings.filter_width);
+    // The first sample looks through the pixel's centre.
+    const glm::vec2 offset = blackman_harris_offset(r2_point(sample), settings.filter_width);
     const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size),
                     settings.size};
     const ShadingInputs inputs{view, scene, settings, *environment_, targets_->front};

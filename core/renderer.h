@@ -3,28 +3,17 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
+#include "core/frame.h"
 #include "core/gl/thread.h"
 #include "core/scene/scene.h"
 #include "core/scene/settings.h"
 
 namespace verglas {
-
-// A finished picture of a region, scene-linear, row 0 at the bottom.
-struct Frame {
-    glm::ivec2 size{0};
-    std::vector<glm::vec4> combined;  // premultiplied alpha
-    std::vector<glm::vec4>
-        normal_depth;      // world space and along the camera's axis; 0 and 1e10 where nothing is
-    double seconds = 0.0;  // passes and readback
-    std::map<std::string, double> pass_seconds;  // GPU time, summed over samples
-};
 
 // Owns the GL thread and what has been uploaded.
 class Renderer {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/math/pixel_filter.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
-
-#include "core/math/low_discrepancy.h"
 
 namespace verglas {
 namespace {
@@ -28,11 +28,28 @@ double inverse_cumulative(double u) {
     return 0.5 * (low + high);
 }
 
+constexpr int table_steps = 1024;
+
+const std::array<double, table_steps + 1>& inverse_table() {
+    static const auto table = [] {
+        std::array<double, table_steps + 1> values{};
+        for (int i = 0; i <= table_steps; ++i)
+            values[i] = inverse_cumulative(static_cast<double>(i) / table_steps);
+        return values;
+    }();
+    return table;
+}
+
+double interpolate_inverse(double u) {
+    const double position = u * table_steps;
+    const int i = std::min(static_cast<int>(position), table_steps - 1);
+    return glm::mix(inverse_table()[i], inverse_table()[i + 1], position - i);
+}
+
 }  // namespace
 
-glm::vec2 blackman_harris_offset(int sample, float width) {
-    const glm::dvec2 u = r2_point(static_cast<std::uint64_t>(sample));
-    const glm::dvec2 place(inverse_cumulative(u.x), inverse_cumulative(u.y));
+glm::vec2 blackman_harris_offset(glm::dvec2 u, float width) {
+    const glm::dvec2 place(interpolate_inverse(u.x), interpolate_inverse(u.y));
     return glm::vec2((2.0 * place - 1.0) * static_cast<double>(width));
 }
 

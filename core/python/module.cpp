@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/renderer.h"
+#include "core/tracing/path_tracer.h"
 
 namespace py = pybind11;
 
@@ -60,6 +61,7 @@ Rgb rgb_of(const glm::vec3& v) { return {v.r, v.g, v.b}; }
 constexpr std::array<const char*, 3> ndf_names = {"BECKMANN", "GGX", "BLINN_PHONG"};
 constexpr std::array<const char*, 3> transport_names = {"BUNDLE", "PAPER", "SINGLE"};
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
+constexpr std::array<const char*, 2> path_mode_names = {"TWO_INTERFACE", "FULL"};
 constexpr std::array<const char*, 3> tir_names = {"NONE", "INCIDENT", "CLAMP"};
 
 template <typename Enum, std::size_t N>
@@ -145,16 +147,6 @@ py::array_t<float> channels(const py::object& self, const std::vector<glm::vec4>
                               data, self);
 }
 
-std::optional<Frame> render(Renderer& renderer, const Scene& scene, const Settings& settings,
-                            const std::optional<std::function<bool(int, int)>>& progress) {
-    const py::gil_scoped_release release;
-    if (!progress) return renderer.render(scene, settings);
-    return renderer.render(scene, settings, [&progress](int done, int total) {
-        const py::gil_scoped_acquire acquire;
-        return (*progress)(done, total);
-    });
-}
-
 void bind_scene(py::module_& module) {
     py::class_<Mesh, std::shared_ptr<Mesh>>(module, "Mesh")
         .def(py::init(&make_mesh), py::arg("name"), py::arg("positions"), py::arg("normals"),
@@ -223,15 +215,21 @@ void bind_scene(py::module_& module) {
     def_matrix(scene, "environment_rotation", &Scene::environment_rotation);
 }
 
+// Any settings with a `size`.
+template <typename Class>
+void def_size(py::class_<Class>& cls) {
+    cls.def_property(
+           "width", [](const Class& self) { return self.size.x; },
+           [](Class& self, int width) { self.size.x = width; })
+        .def_property(
+            "height", [](const Class& self) { return self.size.y; },
+            [](Class& self, int height) { self.size.y = height; });
+}
+
 void bind_settings(py::module_& module) {
     py::class_<Settings> settings(module, "Settings");
+    def_size(settings);
     settings.def(py::init<>())
-        .def_property(
-            "width", [](const Settings& self) { return self.size.x; },
-            [](Settings& self, int width) { self.size.x = width; })
-        .def_property(
-            "height", [](const Settings& self) { return self.size.y; },
-            [](Settings& self, int height) { self.size.y = height; })
         .def_property(
             "region",
             [](const Settings& self) -> std::optional<std::array<int, 4>> {
@@ -252,6 +250,36 @@ void bind_settings(py::module_& module) {
     def_enum(settings, "transport", &Settings::transport, transport_names);
     def_enum(settings, "intersection", &Settings::intersection, intersection_names);
     def_enum(settings, "tir", &Settings::tir, tir_names);
+}
+
+using PythonProgress = std::optional<std::function<bool(int, int)>>;
+
+// The callback, which takes the GIL for itself; nothing where there is none.
+Renderer::Progress progress_of(const PythonProgress& progress) {
+    if (!progress) return {};
+    return [&progress](int done, int total) {
+        const py::gil_scoped_acquire acquire;
+        return (*progress)(done, total);
+    };
+}
+
+void bind_path_tracer(py::module_& module) {
+    py::class_<PathSettings> settings(module, "PathSettings");
+    settings.def(py::init<>())
+        .def_readwrite("samples", &PathSettings::samples)
+        .def_readwrite("filter_width", &PathSettings::filter_width)
+        .def_readwrite("transparent", &PathSettings::transparent)
+        .def_readwrite("max_interfaces", &PathSettings::max_interfaces)
+        .def_readwrite("seed", &PathSettings::seed);
+    def_size(settings);
+    def_enum(settings, "mode", &PathSettings::mode, path_mode_names);
+    module.def(
+        "trace_paths",
+        [](const Scene& scene, const PathSettings& path_settings, const PythonProgress& progress) {
+            const py::gil_scoped_release release;
+            return trace_paths(scene, path_settings, progress_of(progress));
+        },
+        py::arg("scene"), py::arg("settings"), py::arg("progress") = py::none());
 }
 
 void bind_renderer(py::module_& module) {
@@ -278,7 +306,13 @@ void bind_renderer(py::module_& module) {
     py::class_<Renderer>(module, "Renderer")
         .def(py::init<>(), py::call_guard<py::gil_scoped_release>())
         .def_property_readonly("device", &Renderer::device)
-        .def("render", &render, py::arg("scene"), py::arg("settings"), py::arg("progress") = py::none());
+        .def(
+            "render",
+            [](Renderer& self, const Scene& scene, const Settings& settings, const PythonProgress& progress) {
+                const py::gil_scoped_release release;
+                return self.render(scene, settings, progress_of(progress));
+            },
+            py::arg("scene"), py::arg("settings"), py::arg("progress") = py::none());
 }
 
 }  // namespace
@@ -291,4 +325,5 @@ PYBIND11_MODULE(verglas_core, module) {
     verglas::bind_scene(module);
     verglas::bind_settings(module);
     verglas::bind_renderer(module);
+    verglas::bind_path_tracer(module);
 }

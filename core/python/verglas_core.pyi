@@ -163,3 +163,33 @@ class Renderer:
         """Waits for the picture, with the GIL released, and for those that other threads have asked for.
         progress(done, total) is called after each sample on the calling thread; when it returns False
         the render ends and None is returned."""
+
+class PathSettings:
+    """Of the path tracer, the ground truth."""
+
+    width: int
+    height: int
+    """Whole frame in pixels. Default 512 x 512."""
+    samples: int
+    """Paths a pixel. Default 64."""
+    filter_width: float
+    """As Settings.filter_width."""
+    mode: str
+    """'FULL' (default): reflection, inner reflections, re-entry; 'TWO_INTERFACE': enter, leave, and straight
+    into the environment, what is totally reflected being lost."""
+    transparent: bool
+    """As Settings.transparent."""
+    max_interfaces: int
+    """Longer paths end. Default 64."""
+    seed: int
+    """Other seeds give other noise. Default 0."""
+    def __init__(self) -> None: ...
+
+def trace_paths(
+    scene: Scene,
+    settings: PathSettings,
+    progress: Callable[[int, int], bool] | None = None,
+) -> Frame | None:
+    """Path-traces the scene on all cores, with the GIL released: Walter et al.'s microfacets sampled by visible
+    normals (Blinn-Phong by its distribution), the environment by its radiance, both combined. The same scene and
+    settings give the same picture, on any number of cores. progress as in Renderer.render, after each sample."""

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <glm/glm.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace verglas {
+
+// A finished picture of a region, scene-linear, row 0 at the bottom.
+struct Frame {
+    glm::ivec2 size{0};
+    std::vector<glm::vec4> combined;  // premultiplied alpha
+    std::vector<glm::vec4>
+        normal_depth;      // world space and along the camera's axis; 0 and 1e10 where nothing is
+    double seconds = 0.0;  // passes and readback
+    std::map<std::string, double> pass_seconds;  // GPU time, summed over samples
+};
+
+}  // namespace verglas

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The scattering of one rough interface, for path tracing (Walter et al. 2007), in its own frame: n = +Z, and
+// o, the direction to the viewer, above it.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "core/material/lobe_tables.h"
+
+namespace verglas {
+
+// D(m), per steradian; D(m) (m.n) integrates to 1 over the hemisphere.
+float microfacet_distribution(Ndf ndf, float alpha, float cos_theta_m);
+
+// A rough interface with relative index eta = n_behind / n_before.
+class RoughInterface {
+  public:
+    // fresnel: whether 1 - F is refracted and F reflected; else all is refracted. reflects: whether the
+    // reflection is part of it.
+    RoughInterface(Ndf ndf, float alpha, float eta, bool fresnel, bool reflects)
+        : ndf_(ndf), alpha_(alpha), eta_(eta), fresnel_(fresnel), reflects_(reflects && fresnel) {}
+
+    struct Sample {
+        glm::vec3 direction;  // where the light comes from: above when reflected, below when refracted
+        float weight;         // f |i.n| / pdf
+        float pdf;            // per steradian
+    };
+    // Draws a direction; none where a facet is masked or reflects totally what is only refracted. u: in [0,
+    // 1)^2 for the facet; choice: in [0, 1) for reflection or refraction.
+    std::optional<Sample> sample(const glm::vec3& o, glm::vec2 u, float choice) const;
+
+    struct Value {
+        float f_cos = 0.0F;  // f(o, i) |i.n|
+        float pdf = 0.0F;    // with which sample() draws i
+    };
+    Value evaluate(const glm::vec3& o, const glm::vec3& i) const;
+
+  private:
+    glm::vec3 sample_normal(const glm::vec3& o, glm::vec2 u) const;
+    float normal_pdf(const glm::vec3& o, const glm::vec3& m) const;
+    float reflected_share(float cos_m) const;
+
+    Ndf ndf_;
+    float alpha_;
+    float eta_;
+    bool fresnel_;
+    bool reflects_;
+};
+
+}  // namespace verglas

@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/tracing/path_tracer.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <iostream>
+#include <random>
+
+#include "core/material/microfacet.h"
+#include "core/tracing/environment_light.h"
+#include "tests/core/reference_lobes.h"
+
+namespace verglas {
+namespace {
+
+using glm::vec2;
+using glm::vec3;
+
+constexpr Ndf ndfs[] = {Ndf::Beckmann, Ndf::Ggx, Ndf::BlinnPhong};
+
+vec3 direction(double cosine) { return {float(std::sqrt(1.0 - cosine * cosine)), 0.0F, float(cosine)}; }
+
+// A researcher loses: a ground truth whose samples have the energy and mean of the integrated microfacet
+// model.
+TEST(RoughInterface, SamplesMeetIntegrationOverDirections) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+    for (const Ndf ndf : ndfs) {
+        for (const double eta : {1.5, 1.0 / 1.5}) {
+            for (const double cosine : {0.95, 0.6, 0.25}) {
+                const float alpha = 0.3F;
+                const RoughInterface surface(ndf, alpha, float(eta), true, true);
+                const vec3 o = direction(cosine);
+                double refracted = 0.0;
+                double reflected = 0.0;
+                glm::dvec3 vector(0.0);  // of what is refracted
+                constexpr int count = 60000;
+                for (int i = 0; i < count; ++i) {
+                    const auto sample = surface.sample(o, vec2(unit(random), unit(random)), unit(random));
+                    if (!sample) continue;
+                    const double weight = sample->weight / double{count};
+                    const bool down = sample->direction.z < 0.0F;
+                    (down ? refracted : reflected) += weight;
+                    if (down) vector += weight * glm::dvec3(sample->direction);
+                }
+                const auto through = reference::integrate(ndf, alpha, eta, LobeEvent::Refract, cosine);
+                const auto back = reference::integrate(ndf, alpha, eta, LobeEvent::Reflect, cosine);
+                EXPECT_NEAR(refracted, through.energy, 0.015) << int(ndf) << " " << eta << " " << cosine;
+                if (through.energy < 0.01) continue;
+                const double spread = 1.0 - glm::length(vector) / refracted;
+                EXPECT_NEAR(spread / through.spread(), 1.0, 0.05) << int(ndf) << " " << eta << " " << cosine;
+                EXPECT_GT(glm::dot(glm::normalize(vector), through.direction()), 0.9999);
+                EXPECT_NEAR(reflected, back.energy, 0.015) << int(ndf) << " " << eta << " " << cosine;
+            }
+        }
+    }
+}
+
+// A researcher loses: multiple importance sampling without bias; a sample's weight is what evaluation says of
+// it.
+TEST(RoughInterface, WeightIsValueOverDensity) {
+    std::mt19937 random(8);
+    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+    for (const Ndf ndf : ndfs) {
+        for (const float eta : {1.5F, 1.0F / 1.5F}) {
+            const RoughInterface surface(ndf, 0.4F, eta, true, true);
+            const vec3 o = direction(0.5);
+            for (int i = 0; i < 300; ++i) {
+                const auto sample = surface.sample(o, vec2(unit(random), unit(random)), unit(random));
+                if (!sample) continue;
+                const auto value = surface.evaluate(o, sample->direction);
+                EXPECT_NEAR(value.f_cos / (value.pdf * sample->weight), 1.0F, 0.02F)
+                    << int(ndf) << " " << eta;
+            }
+        }
+    }
+}
+
+// A researcher loses: noise-free skies; directions are drawn with the density that is claimed for them.
+TEST(EnvironmentLight, DensityIsNormalisedAndFollowsTheLight) {
+    std::vector<vec3> pixels(64 * 32, vec3(0.1F));
+    pixels[20 * 64 + 40] = vec3(500.0F);
+    Scene scene;
+    scene.environment_map = std::make_shared<const EnvironmentMap>("sun", 64, 32, pixels);
+    scene.environment_color = vec3(1.0F);
+    const EnvironmentLight light(scene);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+    double mean_inverse = 0.0;
+    double radiance = 0.0;
+    constexpr int count = 200000;
+    for (int i = 0; i < count; ++i) {
+        const auto sample = light.sample(vec2(unit(random), unit(random)));
+        mean_inverse += 1.0 / sample.pdf / count;
+        radiance += light.radiance(sample.direction).g / sample.pdf / count;
+    }
+    double truth = 0.0;
+    for (int y = 0; y < 32 * 8; ++y) {
+        const double theta = glm::pi<double>() * (y + 0.5) / 256.0;
+        for (int x = 0; x < 64 * 8; ++x) {
+            const double azimuth = 2.0 * glm::pi<double>() * (x + 0.5) / 512.0;
+            const vec3 d(std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth),
+                         std::cos(theta));
+            truth += light.radiance(d).g * std::sin(theta) * (glm::pi<double>() / 256.0) *
+                     (2.0 * glm::pi<double>() / 512.0);
+        }
+    }
+    EXPECT_NEAR(mean_inverse / (4.0 * glm::pi<double>()), 1.0, 0.03);
+    EXPECT_NEAR(radiance / truth, 1.0, 0.02);
+}
+
+std::shared_ptr<const Mesh> sphere() {
+    constexpr int around = 96;
+    constexpr int down = 48;
+    std::vector<vec3> points;
+    std::vector<glm::uvec3> triangles;
+    for (int j = 0; j <= down; ++j) {
+        for (int i = 0; i <= around; ++i) {
+            const float theta = glm::pi<float>() * float(j) / down;
+            const float azimuth = 2.0F * glm::pi<float>() * float(i) / around;
+            points.emplace_back(std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth),
+                                std::cos(theta));
+        }
+    }
+    for (unsigned j = 0; j < down; ++j) {
+        for (unsigned i = 0; i < around; ++i) {
+            const unsigned a = j * (around + 1) + i;
+            const unsigned b = a + around + 1;
+            if (j + 1 < down) triangles.emplace_back(a, b, b + 1);
+            if (j > 0) triangles.emplace_back(a, b + 1, a + 1);
+        }
+    }
+    return std::make_shared<const Mesh>("Sphere", points, points, triangles, std::vector<std::uint16_t>());
+}
+
+Scene glass_sphere(float roughness, Ndf ndf) {
+    Scene scene;
+    Material material;
+    material.ndf = ndf;
+    material.roughness = roughness;
+    scene.materials = {material};
+    scene.objects = {{"Sphere", sphere(), glm::mat4(1.0F), {0}}};
+    scene.camera.view = glm::lookAt(vec3(0, -4, 0), vec3(0), vec3(0, 0, 1));
+    scene.camera.projection = glm::perspective(0.6F, 1.0F, 0.1F, 100.0F);
+    scene.environment_color = vec3(1.0F);
+    return scene;
+}
+
+PathSettings settings_of(int samples, PathMode mode) {
+    PathSettings settings;
+    settings.size = glm::ivec2(32);
+    settings.samples = samples;
+    settings.mode = mode;
+    return settings;
+}
+
+// A researcher loses: energy that is neither made nor lost but for single scattering's own loss (white
+// furnace).
+TEST(PathTracer, WhiteFurnace) {
+    for (const Ndf ndf : ndfs) {
+        double last = 1.1;
+        for (const float roughness : {0.05F, 0.4F, 0.8F}) {
+            const Frame frame = *trace_paths(glass_sphere(roughness, ndf), settings_of(64, PathMode::Full));
+            double sum = 0.0;
+            double count = 0.0;
+            for (std::size_t i = 0; i < frame.combined.size(); ++i) {
+                if (frame.normal_depth[i].w > 1e9F) continue;
+                sum += frame.combined[i].g;
+                count += 1.0;
+            }
+            const double mean = sum / count;
+            std::cout << "furnace, distribution " << int(ndf) << ", roughness " << roughness << ": " << mean
+                      << "\n";
+            EXPECT_LE(mean, 1.005);
+            EXPECT_LE(mean, last + 0.005);
+            EXPECT_GE(mean, roughness < 0.1F ? 0.97 : 0.4);  // single scattering loses as much
+            last = mean;
+        }
+    }
+}
+
+// A researcher loses: pictures that can be had again, on any number of cores.
+TEST(PathTracer, DependsOnTheSeedAloneNotOnThreads) {
+    const Scene scene = glass_sphere(0.4F, Ndf::Ggx);
+    PathSettings settings = settings_of(4, PathMode::Full);
+    const Frame parallel = *trace_paths(scene, settings);
+    {
+        const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+        EXPECT_EQ(trace_paths(scene, settings)->combined, parallel.combined);
+    }
+    settings.seed = 1;
+    EXPECT_NE(trace_paths(scene, settings)->combined, parallel.combined);
+}
+
+// A user loses: Esc during a long render.
+TEST(PathTracer, EndsWhenAsked) {
+    int passes = 0;
+    const auto stop = [&passes](int done, int) {
+        passes = done;
+        return done < 3;
+    };
+    EXPECT_FALSE(
+        trace_paths(glass_sphere(0.4F, Ndf::Ggx), settings_of(1000, PathMode::Full), stop).has_value());
+    EXPECT_EQ(passes, 3);
+}
+
+}  // namespace
+}  // namespace verglas
