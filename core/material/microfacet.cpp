@@ -12,6 +12,22 @@ namespace {
 
 constexpr float pi = glm::pi<float>();
 
+// D(m), per steradian; D(m) (m.n) integrates to 1 over the hemisphere.
+float microfacet_distribution(Ndf ndf, float alpha, float cos_theta_m) {
+    if (cos_theta_m <= 0.0F) return 0.0F;
+    const float alpha2 = alpha * alpha;
+    const float cos2 = cos_theta_m * cos_theta_m;
+    if (ndf == Ndf::BlinnPhong) {
+        const float n_D = 2.0F / alpha2 - 2.0F;
+        return (n_D + 2.0F) / (2.0F * pi) * std::pow(cos_theta_m, n_D);
+    }
+    if (ndf == Ndf::Ggx) {
+        const float denominator = cos2 * (alpha2 - 1.0F) + 1.0F;
+        return alpha2 / (pi * denominator * denominator);
+    }
+    return std::exp((cos2 - 1.0F) / (cos2 * alpha2)) / (pi * alpha2 * cos2 * cos2);
+}
+
 // Masking whose visible normals are exactly normalised; for Beckmann the model's own is a rational
 // approximation.
 float exact_masking(Ndf ndf, float alpha, float cos_theta) {
@@ -94,21 +110,6 @@ glm::vec3 sample_blinn_phong(float alpha, glm::vec2 u) {
 
 }  // namespace
 
-float microfacet_distribution(Ndf ndf, float alpha, float cos_theta_m) {
-    if (cos_theta_m <= 0.0F) return 0.0F;
-    const float alpha2 = alpha * alpha;
-    const float cos2 = cos_theta_m * cos_theta_m;
-    if (ndf == Ndf::BlinnPhong) {
-        const float n_D = 2.0F / alpha2 - 2.0F;
-        return (n_D + 2.0F) / (2.0F * pi) * std::pow(cos_theta_m, n_D);
-    }
-    if (ndf == Ndf::Ggx) {
-        const float denominator = cos2 * (alpha2 - 1.0F) + 1.0F;
-        return alpha2 / (pi * denominator * denominator);
-    }
-    return std::exp((cos2 - 1.0F) / (cos2 * alpha2)) / (pi * alpha2 * cos2 * cos2);
-}
-
 glm::vec3 RoughInterface::sample_normal(const glm::vec3& o, glm::vec2 u) const {
     switch (ndf_) {
         case Ndf::Beckmann:
@@ -127,8 +128,23 @@ float RoughInterface::normal_pdf(const glm::vec3& o, const glm::vec3& m) const {
     return exact_masking(ndf_, alpha_, o.z) * std::max(glm::dot(o, m), 0.0F) * D / o.z;
 }
 
-float RoughInterface::reflected_share(float cos_m) const {
-    return reflects_ ? model::fresnel_dielectric(cos_m, eta_) : 0.0F;
+// F of a facet.
+float RoughInterface::fresnel(float o_m) const {
+    if (fresnel_) return model::fresnel_dielectric(o_m, eta_);
+    return o_m <= model::critical_cosine(eta_) ? 1.0F : 0.0F;
+}
+
+// The part of F that is followed, and so drawn.
+float RoughInterface::reflected_share(float o_m) const {
+    switch (reflected_) {
+        case Reflected::None:
+            break;
+        case Reflected::Total:
+            return o_m <= model::critical_cosine(eta_) ? 1.0F : 0.0F;
+        case Reflected::All:
+            return fresnel(o_m);
+    }
+    return 0.0F;
 }
 
 std::optional<RoughInterface::Sample> RoughInterface::sample(const glm::vec3& o, glm::vec2 u,
@@ -138,7 +154,8 @@ std::optional<RoughInterface::Sample> RoughInterface::sample(const glm::vec3& o,
     const float o_m = glm::dot(o, m);
     if (o_m <= 0.0F) return std::nullopt;
     glm::vec3 i = 2.0F * o_m * m - o;
-    if (choice >= reflected_share(o_m)) {
+    const float share = reflected_share(o_m);
+    if (choice >= share) {
         const float cos2_t = 1.0F - (1.0F - o_m * o_m) / (eta_ * eta_);
         if (cos2_t <= 0.0F) return std::nullopt;
         i = -o / eta_ + (o_m / eta_ - std::sqrt(cos2_t)) * m;
@@ -152,13 +169,13 @@ std::optional<RoughInterface::Sample> RoughInterface::sample(const glm::vec3& o,
                           model::smith_masking(static_cast<int>(ndf_), alpha_, std::abs(i.z));
     float weight =
         ndf_ == Ndf::BlinnPhong ? masking * o_m / (o.z * m.z) : masking / exact_masking(ndf_, alpha_, o.z);
-    if (i.z < 0.0F && fresnel_ && !reflects_) weight *= 1.0F - model::fresnel_dielectric(o_m, eta_);
+    if (i.z < 0.0F) weight *= (1.0F - fresnel(o_m)) / (1.0F - share);
     return Sample{i, weight, evaluate(o, i).pdf};
 }
 
 RoughInterface::Value RoughInterface::evaluate(const glm::vec3& o, const glm::vec3& i) const {
     const bool reflected = i.z > 0.0F;
-    if (o.z <= 0.0F || i.z == 0.0F || (reflected && !reflects_)) return {};
+    if (o.z <= 0.0F || i.z == 0.0F) return {};
     glm::vec3 m = reflected ? o + i : o + eta_ * i;
     const float length = glm::length(m);
     if (length < 1e-7F) return {};
@@ -169,14 +186,13 @@ RoughInterface::Value RoughInterface::evaluate(const glm::vec3& o, const glm::ve
     const float denominator = o_m + eta_ * i_m;
     const float jacobian =
         reflected ? 0.25F / i_m : eta_ * eta_ * -i_m / std::max(denominator * denominator, 1e-12F);
-    const float F = fresnel_ ? model::fresnel_dielectric(o_m, eta_) : 0.0F;
     const float share = reflected_share(o_m);
     const int ndf = static_cast<int>(ndf_);
     const float masking =
         model::smith_masking(ndf, alpha_, o.z) * model::smith_masking(ndf, alpha_, std::abs(i.z));
     Value value;
-    value.f_cos = o_m * masking * (reflected ? F : 1.0F - F) * microfacet_distribution(ndf_, alpha_, m.z) *
-                  jacobian / o.z;
+    value.f_cos = o_m * masking * (reflected ? share : 1.0F - fresnel(o_m)) *
+                  microfacet_distribution(ndf_, alpha_, m.z) * jacobian / o.z;
     value.pdf = normal_pdf(o, m) * jacobian * (reflected ? share : 1.0F - share);
     return value;
 }

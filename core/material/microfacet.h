@@ -10,16 +10,20 @@
 
 namespace verglas {
 
-// D(m), per steradian; D(m) (m.n) integrates to 1 over the hemisphere.
-float microfacet_distribution(Ndf ndf, float alpha, float cos_theta_m);
+// What of the light that an interface reflects is followed.
+enum class Reflected {
+    None,
+    Total,  // by facets beyond their critical angle
+    All,
+};
 
 // A rough interface with relative index eta = n_behind / n_before.
 class RoughInterface {
   public:
-    // fresnel: whether 1 - F is refracted and F reflected; else all is refracted. reflects: whether the
-    // reflection is part of it.
-    RoughInterface(Ndf ndf, float alpha, float eta, bool fresnel, bool reflects)
-        : ndf_(ndf), alpha_(alpha), eta_(eta), fresnel_(fresnel), reflects_(reflects && fresnel) {}
+    // fresnel: whether 1 - F is refracted and F reflected; else all is refracted that can be, and only facets
+    // beyond their critical angle reflect.
+    RoughInterface(Ndf ndf, float alpha, float eta, bool fresnel, Reflected reflected)
+        : ndf_(ndf), alpha_(alpha), eta_(eta), fresnel_(fresnel), reflected_(reflected) {}
 
     struct Sample {
         glm::vec3 direction;  // where the light comes from: above when reflected, below when refracted
@@ -39,13 +43,14 @@ class RoughInterface {
   private:
     glm::vec3 sample_normal(const glm::vec3& o, glm::vec2 u) const;
     float normal_pdf(const glm::vec3& o, const glm::vec3& m) const;
-    float reflected_share(float cos_m) const;
+    float fresnel(float o_m) const;
+    float reflected_share(float o_m) const;
 
     Ndf ndf_;
     float alpha_;
     float eta_;
     bool fresnel_;
-    bool reflects_;
+    Reflected reflected_;
 };
 
 }  // namespace verglas

@@ -59,6 +59,7 @@ Rgb rgb_of(const glm::vec3& v) { return {v.r, v.g, v.b}; }
 
 // Names of an enumeration's values, in their order.
 constexpr std::array<const char*, 3> ndf_names = {"BECKMANN", "GGX", "BLINN_PHONG"};
+constexpr std::array<const char*, 3> extension_names = {"REPEAT", "EXTEND", "CLIP"};
 constexpr std::array<const char*, 3> transport_names = {"BUNDLE", "PAPER", "SINGLE"};
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
 constexpr std::array<const char*, 2> path_mode_names = {"TWO_INTERFACE", "FULL"};
@@ -100,14 +101,25 @@ void def_matrix(py::class_<Class>& cls, const char* property, Matrix Class::*mem
 
 std::shared_ptr<Mesh> make_mesh(const std::string& name, const Array<float>& positions,
                                 const Array<float>& normals, const Array<std::uint32_t>& triangles,
-                                const std::optional<Array<std::uint16_t>>& slots) {
+                                const std::optional<Array<std::uint16_t>>& slots,
+                                const std::optional<Array<float>>& uvs) {
     auto p = rows_of<glm::vec3>(positions, 3, "positions");
     auto n = rows_of<glm::vec3>(normals, 3, "normals");
     const auto t = rows_of<glm::uvec3>(triangles, 3, "triangles");
     std::vector<std::uint16_t> s;
     if (slots) s.assign(slots->data(), slots->data() + slots->size());
+    auto uv = uvs ? rows_of<glm::vec2>(*uvs, 2, "uvs") : std::vector<glm::vec2>();
     const py::gil_scoped_release release;
-    return std::make_shared<Mesh>(name, std::move(p), std::move(n), t, s);
+    return std::make_shared<Mesh>(name, std::move(p), std::move(n), t, s, std::move(uv));
+}
+
+std::shared_ptr<Texture> make_texture(const std::string& name, const Array<float>& values,
+                                      const std::string& extension) {
+    if (values.ndim() != 2) throw Error("Texture '" + name + "' must have the shape (H, W).");
+    return std::make_shared<Texture>(name, static_cast<int>(values.shape(1)),
+                                     static_cast<int>(values.shape(0)),
+                                     std::vector<float>(values.data(), values.data() + values.size()),
+                                     enum_of<Extension>(extension_names, extension));
 }
 
 std::shared_ptr<EnvironmentMap> make_map(const std::string& name, const Array<float>& pixels) {
@@ -150,10 +162,16 @@ py::array_t<float> channels(const py::object& self, const std::vector<glm::vec4>
 void bind_scene(py::module_& module) {
     py::class_<Mesh, std::shared_ptr<Mesh>>(module, "Mesh")
         .def(py::init(&make_mesh), py::arg("name"), py::arg("positions"), py::arg("normals"),
-             py::arg("triangles"), py::arg("slots") = py::none())
+             py::arg("triangles"), py::arg("slots") = py::none(), py::arg("uvs") = py::none())
         .def_property_readonly("name", &Mesh::name)
         .def_property_readonly("triangle_count", &Mesh::triangle_count)
         .def_property_readonly("warnings", &Mesh::warnings);
+
+    py::class_<Texture, std::shared_ptr<Texture>>(module, "Texture")
+        .def(py::init(&make_texture), py::arg("name"), py::arg("values"), py::arg("extension") = "REPEAT")
+        .def_property_readonly("name", &Texture::name)
+        .def_property_readonly("width", &Texture::width)
+        .def_property_readonly("height", &Texture::height);
 
     py::class_<Material> material(module, "Material");
     material.def(py::init([](const std::string& name) {
@@ -164,6 +182,12 @@ void bind_scene(py::module_& module) {
                  py::arg("name") = "");
     material.def_readwrite("name", &Material::name)
         .def_readwrite("roughness", &Material::roughness)
+        .def_property(
+            "roughness_texture",
+            [](const Material& self) { return std::const_pointer_cast<Texture>(self.roughness_texture); },
+            [](Material& self, std::shared_ptr<Texture> texture) {
+                self.roughness_texture = std::move(texture);
+            })
         .def_readwrite("ior", &Material::ior)
         .def_readwrite("fresnel", &Material::fresnel);
     def_enum(material, "ndf", &Material::ndf, ndf_names);
@@ -266,20 +290,26 @@ Renderer::Progress progress_of(const PythonProgress& progress) {
 void bind_path_tracer(py::module_& module) {
     py::class_<PathSettings> settings(module, "PathSettings");
     settings.def(py::init<>())
-        .def_readwrite("samples", &PathSettings::samples)
         .def_readwrite("filter_width", &PathSettings::filter_width)
+        .def_readwrite("tir", &PathSettings::tir)
         .def_readwrite("transparent", &PathSettings::transparent)
         .def_readwrite("max_interfaces", &PathSettings::max_interfaces)
         .def_readwrite("seed", &PathSettings::seed);
     def_size(settings);
     def_enum(settings, "mode", &PathSettings::mode, path_mode_names);
-    module.def(
-        "trace_paths",
-        [](const Scene& scene, const PathSettings& path_settings, const PythonProgress& progress) {
-            const py::gil_scoped_release release;
-            return trace_paths(scene, path_settings, progress_of(progress));
-        },
-        py::arg("scene"), py::arg("settings"), py::arg("progress") = py::none());
+
+    py::class_<PathTracer>(module, "PathTracer")
+        .def(py::init<Scene, const PathSettings&>(), py::arg("scene"), py::arg("settings"),
+             py::call_guard<py::gil_scoped_release>())
+        .def(
+            "render",
+            [](PathTracer& self, int samples, const PythonProgress& progress) {
+                const py::gil_scoped_release release;
+                return self.render(samples, progress_of(progress));
+            },
+            py::arg("samples"), py::arg("progress") = py::none())
+        .def_property_readonly("samples", &PathTracer::samples)
+        .def("frame", &PathTracer::frame, py::call_guard<py::gil_scoped_release>());
 }
 
 void bind_renderer(py::module_& module) {

@@ -23,7 +23,7 @@ class Mesh:
 
     positions: (V, 3) float32, object space. normals: (V, 3) float32, need not be of unit length.
     triangles: (T, 3) uint32, counter-clockwise seen from outside. slots: (T,) uint16, the
-    triangle's material slot, all 0 when left out.
+    triangle's material slot, all 0 when left out. uvs: (V, 2) float32, texture coordinates.
     Triangles with a vertex that isn't finite, or without area, are left out, with a warning each
     kind. Zero or non-finite normals are replaced by the triangle's own. Indices out of range raise Error.
     A mesh without triangles is valid and draws nothing.
@@ -35,6 +35,7 @@ class Mesh:
         normals: ArrayLike,
         triangles: ArrayLike,
         slots: ArrayLike | None = None,
+        uvs: ArrayLike | None = None,
     ) -> None: ...
     @property
     def name(self) -> str: ...
@@ -42,6 +43,18 @@ class Mesh:
     def triangle_count(self) -> int: ...
     @property
     def warnings(self) -> list[str]: ...
+
+class Texture:
+    """A picture of single values over UV in [0, 1]^2, interpolated bilinearly. Immutable."""
+
+    def __init__(self, name: str, values: ArrayLike, extension: str = "REPEAT") -> None:
+        """values: (H, W) float32, row 0 at v = 0. extension: 'REPEAT', 'EXTEND' or 'CLIP' (0 outside)."""
+    @property
+    def name(self) -> str: ...
+    @property
+    def width(self) -> int: ...
+    @property
+    def height(self) -> int: ...
 
 class Material:
     """A rough dielectric (Walter et al. 2007). All attributes can be read and set."""
@@ -51,6 +64,8 @@ class Material:
     """'BECKMANN' (default), 'GGX' or 'BLINN_PHONG'; the last with exponent 2 / roughness^4 - 2."""
     roughness: float
     """Blender's slider, 0 … 1; alpha = roughness^2. Default 0.5."""
+    roughness_texture: Texture | None
+    """What the path tracer takes in place of `roughness`; the real-time renderer doesn't yet. Default None."""
     ior: float
     """Index of refraction inside, relative to the outside, 1/3 … 3 (clamped). Default 1.5."""
     color: Sequence[float]
@@ -170,13 +185,13 @@ class PathSettings:
     width: int
     height: int
     """Whole frame in pixels. Default 512 x 512."""
-    samples: int
-    """Paths a pixel. Default 64."""
     filter_width: float
     """As Settings.filter_width."""
     mode: str
     """'FULL' (default): reflection, inner reflections, re-entry; 'TWO_INTERFACE': enter, leave, and straight
-    into the environment, what is totally reflected being lost."""
+    into the environment."""
+    tir: bool
+    """TWO_INTERFACE: whether totally reflected light goes on inside until it leaves; else (default) it is lost."""
     transparent: bool
     """As Settings.transparent."""
     max_interfaces: int
@@ -185,11 +200,19 @@ class PathSettings:
     """Other seeds give other noise. Default 0."""
     def __init__(self) -> None: ...
 
-def trace_paths(
-    scene: Scene,
-    settings: PathSettings,
-    progress: Callable[[int, int], bool] | None = None,
-) -> Frame | None:
-    """Path-traces the scene on all cores, with the GIL released: Walter et al.'s microfacets sampled by visible
-    normals (Blinn-Phong by its distribution), the environment by its radiance, both combined. The same scene and
-    settings give the same picture, on any number of cores. progress as in Renderer.render, after each sample."""
+class PathTracer:
+    """A picture that gains precision with each sample: Walter et al.'s microfacets sampled by visible normals
+    (Blinn-Phong by its distribution), the environment by its radiance, both combined; roughness from textures.
+    It holds the scene as it was given. The same scene, settings and number of samples give the same picture, on
+    any number of cores. Samples are points of a Sobol sequence: powers of two converge best."""
+
+    def __init__(self, scene: Scene, settings: PathSettings) -> None: ...
+    def render(self, samples: int, progress: Callable[[int, int], bool] | None = None) -> bool:
+        """Adds samples to every pixel on all cores, with the GIL released. progress(done, samples) is called
+        several times a second on the calling thread; when it returns False the render ends, and so does this,
+        with False. Goes on from there when called again."""
+    @property
+    def samples(self) -> int:
+        """Whole samples of all pixels so far."""
+    def frame(self) -> Frame:
+        """The mean so far; its `seconds` is the time spent in render(). Raises Error before the first sample."""

@@ -15,11 +15,18 @@ bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(
 }  // namespace
 
 Mesh::Mesh(std::string name, std::vector<glm::vec3> positions, std::vector<glm::vec3> normals,
-           const std::vector<glm::uvec3>& triangles, const std::vector<std::uint16_t>& slots)
-    : name_(std::move(name)), positions_(std::move(positions)), normals_(std::move(normals)) {
+           const std::vector<glm::uvec3>& triangles, const std::vector<std::uint16_t>& slots,
+           std::vector<glm::vec2> uvs)
+    : name_(std::move(name)),
+      positions_(std::move(positions)),
+      normals_(std::move(normals)),
+      uvs_(std::move(uvs)) {
     if (normals_.size() != positions_.size())
         throw Error("Mesh '" + name_ + "' has " + std::to_string(positions_.size()) + " vertices but " +
                     std::to_string(normals_.size()) + " normals.");
+    if (!uvs_.empty() && uvs_.size() != positions_.size())
+        throw Error("Mesh '" + name_ + "' has " + std::to_string(positions_.size()) + " vertices but " +
+                    std::to_string(uvs_.size()) + " texture coordinates.");
     if (!slots.empty() && slots.size() != triangles.size())
         throw Error("Mesh '" + name_ + "' has " + std::to_string(triangles.size()) + " triangles but " +
                     std::to_string(slots.size()) + " material slots.");

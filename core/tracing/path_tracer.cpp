@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "core/error.h"
 #include "core/material/microfacet.h"
 #include "core/math/pixel_filter.h"
+#include "core/math/sobol.h"
 #include "core/tracing/environment_light.h"
-#include "core/tracing/random.h"
 #include "core/tracing/ray_scene.h"
 
 namespace verglas {
@@ -19,6 +20,17 @@ namespace {
 
 // Sharper distributions than this are beyond float; such glass is as good as clear.
 constexpr float min_alpha = 1e-4F;
+
+// Coordinates of a sample's Sobol point: the pixel filter's, then those of each interface.
+constexpr int filter_dimension = 0;
+constexpr int first_interface_dimension = 2;
+constexpr int interface_dimensions = 5;
+constexpr int facet_dimension = 0;
+constexpr int light_dimension = 2;
+constexpr int choice_dimension = 4;
+
+// Paths between two calls of progress.
+constexpr int block_paths = 1 << 15;
 
 // Rotation into the frame whose Z axis is n (Duff et al. 2017).
 glm::mat3 frame_of(const glm::vec3& n) {
@@ -44,22 +56,37 @@ glm::vec3 beside(const Hit& hit, const glm::vec3& d) {
            (glm::dot(d, hit.geometric_normal) > 0.0F ? 1.0F : -1.0F) * 4e-6F * scale * hit.geometric_normal;
 }
 
-class PathTracer {
+struct Ray {
+    glm::vec3 origin;
+    glm::vec3 d;
+};
+
+// An interface as a path meets it.
+struct Crossing {
+    const Hit& hit;
+    const Material& material;
+    bool entering;
+    glm::mat3 frame;
+    glm::vec3 o;  // toward the viewer, in the frame
+    RoughInterface surface;
+};
+
+}  // namespace
+
+class PathTracer::Paths {
   public:
-    PathTracer(const Scene& scene, const PathSettings& settings)
+    Paths(const Scene& scene, const PathSettings& settings)
         : scene_(scene), settings_(settings), rays_(scene), light_(scene) {}
 
-    struct Ray {
-        glm::vec3 origin;
-        glm::vec3 d;
-    };
     Ray camera_ray(glm::vec2 pixel) const;
-    glm::vec4 trace(Ray ray, Random& random) const;
+    glm::vec4 trace(Ray ray, const SobolPoint& point) const;
     glm::vec4 normal_depth(const Ray& ray) const;
 
   private:
-    glm::vec3 direct_light(const Hit& hit, const glm::mat3& frame, const RoughInterface& surface,
-                           const glm::vec3& o, const Material& material, bool entering, Random& random) const;
+    bool two_interface() const { return settings_.mode == PathMode::TwoInterface; }
+    Reflected reflected(const Material& material) const;
+    Crossing cross(const Hit& hit, const glm::vec3& d) const;
+    glm::vec3 direct_light(const Crossing& crossing, glm::vec2 u) const;
 
     const Scene& scene_;
     const PathSettings& settings_;
@@ -68,7 +95,7 @@ class PathTracer {
     glm::mat4 clip_to_world_ = glm::inverse(scene_.camera.projection * scene_.camera.view);
 };
 
-PathTracer::Ray PathTracer::camera_ray(glm::vec2 pixel) const {
+Ray PathTracer::Paths::camera_ray(glm::vec2 pixel) const {
     const glm::vec2 ndc = 2.0F * pixel / glm::vec2(settings_.size) - 1.0F;
     const glm::vec4 near = clip_to_world_ * glm::vec4(ndc, -1.0F, 1.0F);
     const glm::vec4 far = clip_to_world_ * glm::vec4(ndc, 1.0F, 1.0F);
@@ -76,102 +103,140 @@ PathTracer::Ray PathTracer::camera_ray(glm::vec2 pixel) const {
     return {origin, glm::normalize(glm::vec3(far) / far.w - origin)};
 }
 
-glm::vec4 PathTracer::normal_depth(const Ray& ray) const {
+glm::vec4 PathTracer::Paths::normal_depth(const Ray& ray) const {
     const auto hit = rays_.intersect(ray.origin, ray.d);
     if (!hit) return {0.0F, 0.0F, 0.0F, 1e10F};
     return {hit->normal, -(scene_.camera.view * glm::vec4(hit->position, 1.0F)).z};
 }
 
-// Light of the environment that this interface sends toward o, by directions drawn from the environment.
-glm::vec3 PathTracer::direct_light(const Hit& hit, const glm::mat3& frame, const RoughInterface& surface,
-                                   const glm::vec3& o, const Material& material, bool entering,
-                                   Random& random) const {
-    const EnvironmentLight::Sample light = light_.sample(random.uniform2());
+// Blender's Refraction BSDF, without Fresnel, has no reflection.
+Reflected PathTracer::Paths::reflected(const Material& material) const {
+    if (two_interface()) return settings_.tir ? Reflected::Total : Reflected::None;
+    return material.fresnel ? Reflected::All : Reflected::None;
+}
+
+Crossing PathTracer::Paths::cross(const Hit& hit, const glm::vec3& d) const {
+    const Material& material = scene_.materials[hit.material];
+    const bool entering = glm::dot(d, hit.geometric_normal) < 0.0F;
+    glm::vec3 n = entering ? hit.normal : -hit.normal;
+    // Interpolated normals may face away at silhouettes; they are bent as in refraction.frag.glsl.
+    n = glm::normalize(n - std::max(glm::dot(n, d) + 1e-3F, 0.0F) * d);
+    const glm::mat3 frame = frame_of(n);
+    const float roughness = material.roughness_texture
+                                ? std::clamp(material.roughness_texture->sample(hit.uv), 0.0F, 1.0F)
+                                : material.roughness;
+    const float alpha = std::max(model::alpha_from_roughness(roughness), min_alpha);
+    const float ior = std::clamp(material.ior, 1.0F / max_eta, max_eta);
+    const RoughInterface surface(material.ndf, alpha, entering ? ior : 1.0F / ior, material.fresnel,
+                                 reflected(material));
+    return {hit, material, entering, frame, glm::transpose(frame) * -d, surface};
+}
+
+// Light of the environment that an interface sends toward o, by directions drawn from the environment.
+glm::vec3 PathTracer::Paths::direct_light(const Crossing& crossing, glm::vec2 u) const {
+    const Hit& hit = crossing.hit;
+    const EnvironmentLight::Sample light = light_.sample(u);
     if (light.pdf <= 0.0F) return glm::vec3(0.0F);
     // Light comes from outside: to a path that is outside by reflection, to one that is inside by refraction.
     if (glm::dot(light.direction, hit.geometric_normal) <= 0.0F) return glm::vec3(0.0F);
-    const glm::vec3 i = glm::transpose(frame) * light.direction;
-    if ((i.z > 0.0F) != entering) return glm::vec3(0.0F);
-    const RoughInterface::Value value = surface.evaluate(o, i);
-    if (value.f_cos <= 0.0F || !rays_.escapes(beside(hit, light.direction), light.direction))
+    const glm::vec3 i = glm::transpose(crossing.frame) * light.direction;
+    if ((i.z > 0.0F) != crossing.entering) return glm::vec3(0.0F);
+    const RoughInterface::Value value = crossing.surface.evaluate(crossing.o, i);
+    if (value.f_cos <= 0.0F) return glm::vec3(0.0F);
+    if (!two_interface() && !rays_.escapes(beside(hit, light.direction), light.direction))
         return glm::vec3(0.0F);
-    const glm::vec3 color = i.z > 0.0F ? material.reflection_color : material.color;
+    const glm::vec3 color = i.z > 0.0F ? crossing.material.reflection_color : crossing.material.color;
     return color * (value.f_cos / light.pdf * mis_weight(light.pdf, value.pdf)) *
            light_.radiance(light.direction);
 }
 
-glm::vec4 PathTracer::trace(Ray ray, Random& random) const {
-    const bool two_interface = settings_.mode == PathMode::TwoInterface;
+glm::vec4 PathTracer::Paths::trace(Ray ray, const SobolPoint& point) const {
     glm::vec3 sum(0.0F);
     glm::vec3 throughput(1.0F);
-    float pdf = 0.0F;  // of the ray's direction; 0 for the camera's
+    float pdf = 0.0F;  // of the ray's direction; 0 where direct_light() has no part in it
+    bool left = false;
     for (int depth = 0; depth <= settings_.max_interfaces; ++depth) {
-        const bool beyond = two_interface && depth == 2;
-        const auto hit = beyond ? std::nullopt : rays_.intersect(ray.origin, ray.d);
+        const auto hit = two_interface() && left ? std::nullopt : rays_.intersect(ray.origin, ray.d);
         if (!hit) {
             if (depth == 0 && settings_.transparent) return glm::vec4(0.0F);
             const float weight = pdf > 0.0F ? mis_weight(pdf, light_.pdf(ray.d)) : 1.0F;
             sum += throughput * weight * light_.radiance(ray.d);
             break;
         }
-        const Material& material = scene_.materials[hit->material];
-        const bool entering = glm::dot(ray.d, hit->geometric_normal) < 0.0F;
-        if (!entering) throughput *= glm::exp(-material.absorption * hit->t);
-        glm::vec3 n = entering ? hit->normal : -hit->normal;
-        // Interpolated normals may face away at silhouettes; they are bent as in refraction.frag.glsl.
-        n = glm::normalize(n - std::max(glm::dot(n, ray.d) + 1e-3F, 0.0F) * ray.d);
-        const glm::mat3 frame = frame_of(n);
-        const glm::vec3 o = glm::transpose(frame) * -ray.d;
-        const float alpha = std::max(model::alpha_from_roughness(material.roughness), min_alpha);
-        const float ior = std::clamp(material.ior, 1.0F / max_eta, max_eta);
-        const RoughInterface surface(material.ndf, alpha, entering ? ior : 1.0F / ior, material.fresnel,
-                                     !two_interface);
-        // In two_interface, only what leaves sees light, and straight: no strategy beside the lobe's is
-        // needed.
-        if (!two_interface)
-            sum += throughput * direct_light(*hit, frame, surface, o, material, entering, random);
-        const glm::vec2 u = random.uniform2();
-        const auto sample = surface.sample(o, u, random.uniform());
+        const Crossing crossing = cross(*hit, ray.d);
+        if (!crossing.entering) throughput *= glm::exp(-crossing.material.absorption * hit->t);
+        const int dimension = first_interface_dimension + depth * interface_dimensions;
+        const bool lit = !(two_interface() && crossing.entering);
+        if (lit) sum += throughput * direct_light(crossing, point.pair(dimension + light_dimension));
+        const auto sample = crossing.surface.sample(crossing.o, point.pair(dimension + facet_dimension),
+                                                    point[dimension + choice_dimension]);
         if (!sample) break;
-        const glm::vec3 d = frame * sample->direction;
+        const glm::vec3 d = crossing.frame * sample->direction;
         const bool refracted = sample->direction.z < 0.0F;
         // The side of the interpolated normal must be the triangle's.
-        if ((glm::dot(d, hit->geometric_normal) > 0.0F) != (refracted != entering)) break;
-        throughput *= sample->weight * (refracted ? material.color : material.reflection_color);
-        pdf = two_interface ? 0.0F : sample->pdf;
+        if ((glm::dot(d, hit->geometric_normal) > 0.0F) != (refracted != crossing.entering)) break;
+        throughput *=
+            sample->weight * (refracted ? crossing.material.color : crossing.material.reflection_color);
+        left = refracted && !crossing.entering;
+        pdf = lit && refracted != crossing.entering ? sample->pdf : 0.0F;
         ray = {beside(*hit, d), d};
     }
     return {sum, 1.0F};
 }
 
-}  // namespace
+PathTracer::PathTracer(Scene scene, const PathSettings& settings)
+    : scene_(std::move(scene)), settings_(settings) {
+    if (settings_.size.x < 1 || settings_.size.y < 1) throw Error("A picture needs at least one pixel.");
+    paths_ = std::make_unique<const Paths>(scene_, settings_);
+    const std::size_t pixels = std::size_t(settings_.size.x) * settings_.size.y;
+    sums_.assign(pixels, glm::vec4(0.0F));
+    normal_depth_.resize(pixels);
+    row_samples_.assign(settings_.size.y, 0);
+}
 
-std::optional<Frame> trace_paths(const Scene& scene, const PathSettings& settings,
-                                 const std::function<bool(int, int)>& progress) {
-    using Clock = std::chrono::steady_clock;
-    if (settings.size.x < 1 || settings.size.y < 1) throw Error("A picture needs at least one pixel.");
-    if (settings.samples < 1) throw Error("A picture needs at least one sample.");
-    const PathTracer tracer(scene, settings);
-    Frame frame;
-    frame.size = settings.size;
-    frame.combined.assign(std::size_t(settings.size.x) * settings.size.y, glm::vec4(0.0F));
-    frame.normal_depth.resize(frame.combined.size());
-    const Clock::time_point begin = Clock::now();
-    for (int sample = 0; sample < settings.samples; ++sample) {
-        tbb::parallel_for(0, settings.size.y, [&](int y) {
-            for (int x = 0; x < settings.size.x; ++x) {
-                const std::size_t pixel = std::size_t(y) * settings.size.x + x;
-                Random random(pixel, static_cast<std::uint64_t>(sample), settings.seed);
-                const glm::vec2 center(x + 0.5F, y + 0.5F);
-                const glm::vec2 offset = blackman_harris_offset(random.uniform2(), settings.filter_width);
-                frame.combined[pixel] += tracer.trace(tracer.camera_ray(center + offset), random);
-                if (sample == 0) frame.normal_depth[pixel] = tracer.normal_depth(tracer.camera_ray(center));
-            }
-        });
-        if (progress && !progress(sample + 1, settings.samples)) return std::nullopt;
+PathTracer::~PathTracer() = default;
+
+void PathTracer::trace_row(int y) {
+    const int sample = row_samples_[y]++;
+    for (int x = 0; x < settings_.size.x; ++x) {
+        const std::size_t pixel = std::size_t(y) * settings_.size.x + x;
+        const SobolPoint point(pixel, static_cast<std::uint32_t>(sample), settings_.seed);
+        const glm::vec2 center(x + 0.5F, y + 0.5F);
+        const glm::vec2 offset = blackman_harris_offset(point.pair(filter_dimension), settings_.filter_width);
+        sums_[pixel] += paths_->trace(paths_->camera_ray(center + offset), point);
+        if (sample == 0) normal_depth_[pixel] = paths_->normal_depth(paths_->camera_ray(center));
     }
-    for (glm::vec4& pixel : frame.combined) pixel /= static_cast<float>(settings.samples);
-    frame.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+bool PathTracer::render(int samples, const Progress& progress) {
+    using Clock = std::chrono::steady_clock;
+    if (samples < 1) throw Error("A picture needs at least one sample.");
+    const int block_rows = std::max(block_paths / settings_.size.x, 1);
+    const int wanted = samples_ + samples;
+    bool go_on = true;
+    while (go_on && samples_ < wanted) {
+        const Clock::time_point begin = Clock::now();
+        // A render that was ended left rows of the first blocks one sample ahead.
+        const int first = static_cast<int>(std::find(row_samples_.begin(), row_samples_.end(), samples_) -
+                                           row_samples_.begin());
+        const int last = std::min(first + block_rows, settings_.size.y);
+        tbb::parallel_for(first, last, [this](int y) { trace_row(y); });
+        seconds_ += std::chrono::duration<double>(Clock::now() - begin).count();
+        if (last == settings_.size.y) ++samples_;
+        if (progress) go_on = progress(samples_ + samples - wanted, samples);
+    }
+    return samples_ == wanted;
+}
+
+Frame PathTracer::frame() const {
+    if (samples_ < 1) throw Error("A picture needs at least one sample.");
+    Frame frame;
+    frame.size = settings_.size;
+    frame.combined = sums_;
+    for (std::size_t i = 0; i < sums_.size(); ++i)
+        frame.combined[i] /= static_cast<float>(row_samples_[i / settings_.size.x]);
+    frame.normal_depth = normal_depth_;
+    frame.seconds = seconds_;
     return frame;
 }
 

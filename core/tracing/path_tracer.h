@@ -3,7 +3,8 @@
 #pragma once
 
 #include <functional>
-#include <optional>
+#include <memory>
+#include <vector>
 
 #include "core/frame.h"
 #include "core/scene/scene.h"
@@ -18,17 +19,50 @@ enum class PathMode {
 
 struct PathSettings {
     glm::ivec2 size{512};
-    int samples = 64;
     float filter_width = 1.5F;
     PathMode mode = PathMode::Full;
+    bool tir =
+        false;  // TwoInterface: totally reflected light goes on inside until it leaves; else it is lost
     bool transparent = false;
     int max_interfaces = 64;  // longer paths end
     std::uint64_t seed = 0;
 };
 
-// Renders with all cores; the picture depends on the scene, the settings and nothing else. progress is called
-// with (done, all) after each pass of one sample a pixel; false ends the render. Throws Error.
-std::optional<Frame> trace_paths(const Scene& scene, const PathSettings& settings,
-                                 const std::function<bool(int, int)>& progress = {});
+// A picture that gains precision with each sample. Samples are points of a Sobol sequence: numbers of them
+// that are powers of two converge best. Uses all cores; the picture depends on the scene, the settings and
+// the number of samples, and nothing else.
+class PathTracer {
+  public:
+    // Throws Error where Embree can't be had or the settings make no picture.
+    PathTracer(Scene scene, const PathSettings& settings);
+    ~PathTracer();
+
+    // Called with (done, all) on the calling thread, several times a second; false ends the render.
+    using Progress = std::function<bool(int, int)>;
+
+    // Adds samples to every pixel; false where progress ended it before all were done. Throws Error.
+    bool render(int samples, const Progress& progress = {});
+
+    // Whole samples of all pixels so far.
+    int samples() const { return samples_; }
+
+    // The mean of the samples so far; `seconds` is the time spent in render(). Throws Error before the first
+    // sample.
+    Frame frame() const;
+
+  private:
+    class Paths;  // what a path meets
+
+    void trace_row(int y);
+
+    const Scene scene_;
+    const PathSettings settings_;
+    std::unique_ptr<const Paths> paths_;
+    std::vector<glm::vec4> sums_;
+    std::vector<glm::vec4> normal_depth_;
+    std::vector<int> row_samples_;
+    int samples_ = 0;
+    double seconds_ = 0.0;
+};
 
 }  // namespace verglas

@@ -102,7 +102,7 @@ std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3&
     const std::uint32_t* corner = &object.mesh->indices()[std::size_t{3} * query.hit.primID];
     const float u = query.hit.u;
     const float v = query.hit.v;
-    const auto mix = [&](const std::vector<glm::vec3>& values) {
+    const auto mix = [&](const auto& values) {
         return (1.0F - u - v) * values[corner[0]] + u * values[corner[1]] + v * values[corner[2]];
     };
     const glm::vec3 outward(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
@@ -112,6 +112,7 @@ std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3&
     hit.position = glm::vec3(object.matrix * glm::vec4(mix(object.mesh->positions()), 1.0F));
     hit.geometric_normal = glm::normalize(object.normal_matrix * outward);
     hit.normal = glm::normalize(object.normal_matrix * mix(object.mesh->normals()));
+    if (!object.mesh->uvs().empty()) hit.uv = mix(object.mesh->uvs());
     hit.material = material_of(object, query.hit.primID);
     return hit;
 }

@@ -18,6 +18,7 @@ struct Hit {
     glm::vec3 position{0.0F};
     glm::vec3 geometric_normal{0.0F};  // unit, outward by the triangle's winding
     glm::vec3 normal{0.0F};            // unit, interpolated
+    glm::vec2 uv{0.0F};                // 0 where the mesh has none
     int material = 0;
 };
 

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <random>
 
+#include "core/error.h"
 #include "core/material/microfacet.h"
 #include "core/tracing/environment_light.h"
 #include "tests/core/reference_lobes.h"
@@ -33,7 +34,7 @@ TEST(RoughInterface, SamplesMeetIntegrationOverDirections) {
         for (const double eta : {1.5, 1.0 / 1.5}) {
             for (const double cosine : {0.95, 0.6, 0.25}) {
                 const float alpha = 0.3F;
-                const RoughInterface surface(ndf, alpha, float(eta), true, true);
+                const RoughInterface surface(ndf, alpha, float(eta), true, Reflected::All);
                 const vec3 o = direction(cosine);
                 double refracted = 0.0;
                 double reflected = 0.0;
@@ -67,7 +68,7 @@ TEST(RoughInterface, WeightIsValueOverDensity) {
     std::uniform_real_distribution<float> unit(0.0F, 1.0F);
     for (const Ndf ndf : ndfs) {
         for (const float eta : {1.5F, 1.0F / 1.5F}) {
-            const RoughInterface surface(ndf, 0.4F, eta, true, true);
+            const RoughInterface surface(ndf, 0.4F, eta, true, Reflected::All);
             const vec3 o = direction(0.5);
             for (int i = 0; i < 300; ++i) {
                 const auto sample = surface.sample(o, vec2(unit(random), unit(random)), unit(random));
@@ -150,12 +151,17 @@ Scene glass_sphere(float roughness, Ndf ndf) {
     return scene;
 }
 
-PathSettings settings_of(int samples, PathMode mode) {
+PathSettings settings_of(PathMode mode) {
     PathSettings settings;
     settings.size = glm::ivec2(32);
-    settings.samples = samples;
     settings.mode = mode;
     return settings;
+}
+
+Frame render(const Scene& scene, const PathSettings& settings, int samples) {
+    PathTracer tracer(scene, settings);
+    EXPECT_TRUE(tracer.render(samples));
+    return tracer.frame();
 }
 
 // A researcher loses: energy that is neither made nor lost but for single scattering's own loss (white
@@ -164,7 +170,7 @@ TEST(PathTracer, WhiteFurnace) {
     for (const Ndf ndf : ndfs) {
         double last = 1.1;
         for (const float roughness : {0.05F, 0.4F, 0.8F}) {
-            const Frame frame = *trace_paths(glass_sphere(roughness, ndf), settings_of(64, PathMode::Full));
+            const Frame frame = render(glass_sphere(roughness, ndf), settings_of(PathMode::Full), 64);
             double sum = 0.0;
             double count = 0.0;
             for (std::size_t i = 0; i < frame.combined.size(); ++i) {
@@ -186,26 +192,29 @@ TEST(PathTracer, WhiteFurnace) {
 // A researcher loses: pictures that can be had again, on any number of cores.
 TEST(PathTracer, DependsOnTheSeedAloneNotOnThreads) {
     const Scene scene = glass_sphere(0.4F, Ndf::Ggx);
-    PathSettings settings = settings_of(4, PathMode::Full);
-    const Frame parallel = *trace_paths(scene, settings);
+    PathSettings settings = settings_of(PathMode::Full);
+    const Frame parallel = render(scene, settings, 4);
     {
         const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-        EXPECT_EQ(trace_paths(scene, settings)->combined, parallel.combined);
+        EXPECT_EQ(render(scene, settings, 4).combined, parallel.combined);
     }
     settings.seed = 1;
-    EXPECT_NE(trace_paths(scene, settings)->combined, parallel.combined);
+    EXPECT_NE(render(scene, settings, 4).combined, parallel.combined);
 }
 
-// A user loses: Esc during a long render.
-TEST(PathTracer, EndsWhenAsked) {
-    int passes = 0;
-    const auto stop = [&passes](int done, int) {
-        passes = done;
-        return done < 3;
-    };
-    EXPECT_FALSE(
-        trace_paths(glass_sphere(0.4F, Ndf::Ggx), settings_of(1000, PathMode::Full), stop).has_value());
-    EXPECT_EQ(passes, 3);
+// A user loses: Esc during a long render, and what was rendered until then.
+TEST(PathTracer, EndsWhenAskedAndGoesOn) {
+    PathSettings settings = settings_of(PathMode::Full);
+    settings.size = glm::ivec2(512, 130);  // three blocks of rows a sample
+    const Scene scene = glass_sphere(0.4F, Ndf::Ggx);
+    PathTracer tracer(scene, settings);
+    EXPECT_THROW(tracer.frame(), Error);
+    int calls = 0;
+    EXPECT_FALSE(tracer.render(1000, [&calls](int, int) { return ++calls < 4; }));
+    EXPECT_EQ(tracer.samples(), 1);
+    EXPECT_TRUE(tracer.render(2));
+    EXPECT_EQ(tracer.samples(), 3);
+    EXPECT_EQ(tracer.frame().combined, render(scene, settings, 3).combined);
 }
 
 }  // namespace

@@ -28,6 +28,25 @@ def sphere(name="Sphere", segments=64):
     return verglas.Mesh(name, points, points, np.concatenate([upper, lower]))
 
 
+def flat_faces(name, corners, uvs=None):
+    """Quads with normals of their own. corners: (F, 4, 3), counter-clockwise seen from outside."""
+    corners = np.asarray(corners, float)
+    normals = np.repeat(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), 4, axis=0)
+    quads = 4 * np.arange(len(corners))[:, None, None] + [[0, 1, 2], [0, 2, 3]]
+    return verglas.Mesh(name, corners.reshape(-1, 3), normals, quads.reshape(-1, 3), uvs=uvs)
+
+
+def cube(name="Cube"):
+    """From -1 to 1."""
+    faces = []
+    for axis in range(3):
+        for sign in (-1, 1):
+            side, up = np.roll(np.eye(3), axis, axis=1)[1:] * [[sign], [1]]
+            out = np.cross(side, up)
+            faces.append([out - side - up, out + side - up, out + side + up, out - side + up])
+    return flat_faces(name, faces)
+
+
 def camera(distance=4.0, focal=2.5):
     """At (0, -distance, 0), looking along +Y, Z up."""
     near, far = 0.1, 100.0

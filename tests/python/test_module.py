@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import verglas_core as verglas
-from conftest import gradient_map, scene_of, settings_of, sphere
+from conftest import cube, flat_faces, gradient_map, scene_of, settings_of, sphere
 
 
 def test_sphere_shows_the_world_through_glass(renderer, glass_sphere):
@@ -301,15 +301,62 @@ def test_threads_take_turns(renderer, glass_sphere):
         assert all(np.array_equal(frame, expected) for frame in frames)
 
 
-def test_path_tracer_agrees_with_the_bundle(renderer, glass_sphere):
-    """A researcher loses: a ground truth of the very scene that the renderer draws."""
+def trace(scene, samples=64, **attributes):
     settings = verglas.PathSettings()
     settings.width = settings.height = 96
-    settings.samples, settings.mode = 64, "TWO_INTERFACE"
-    truth = verglas.trace_paths(glass_sphere, settings)
+    for name, value in attributes.items():
+        setattr(settings, name, value)
+    tracer = verglas.PathTracer(scene, settings)
+    assert tracer.render(samples) and tracer.samples == samples
+    return tracer.frame()
+
+
+def test_path_tracer_agrees_with_the_bundle(renderer, glass_sphere):
+    """A researcher loses: a ground truth of the very scene that the renderer draws."""
+    truth = trace(glass_sphere, mode="TWO_INTERFACE")
     frame = renderer.render(glass_sphere, settings_of(samples=4, tir="NONE", reflection=False))
     inside = (truth.depth < 1e9) & (frame.depth < 1e9)
     assert np.abs(truth.depth - frame.depth)[inside].max() < 0.05
     a, b = frame.combined[inside][:, :3], truth.combined[inside][:, :3]
     assert ((a - b) ** 2 / (b ** 2 + 0.01)).mean() < 0.01
     assert a.mean() == pytest.approx(b.mean(), rel=0.02)
+
+
+def test_path_tracer_follows_total_reflection():
+    """A researcher loses: the truth for the ways of treating total reflection. Glass of index 1.5 lets
+    nothing out beside the face where it came in; followed, all of the white world's light arrives."""
+    glass = verglas.Material("Glass")
+    glass.roughness, glass.fresnel = 0.05, False
+    turned = np.eye(4)
+    turned[:2, :2] = [[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]]
+    scene = scene_of(("Cube", cube(), 0.6 * turned + 0.4 * np.diag([0, 0, 0, 1])), material=glass)
+    scene.environment_map, scene.environment_color = None, (1, 1, 1)
+    lost, kept = (trace(scene, 16, mode="TWO_INTERFACE", tir=tir) for tir in (False, True))
+    inside = lost.depth < 1e9
+    for shift, axis in ((2, 0), (-2, 0), (2, 1), (-2, 1)):
+        inside &= np.roll(inside, shift, axis)
+    assert kept.combined[inside][:, 0] == pytest.approx(1.0, abs=0.01)
+    dark = lost.combined[inside][:, 0] < 0.01
+    assert 0.1 < dark.mean() < 0.9
+
+
+def test_path_tracer_reads_roughness_from_a_texture():
+    """A researcher loses: the truth of glass whose roughness varies, and the right way up."""
+    def picture(texture):
+        material.roughness_texture = texture
+        scene = scene_of(*objects, material=material)
+        return trace(scene, 16, mode="TWO_INTERFACE").combined
+
+    corners = [[(-1, 0, -1), (1, 0, -1), (1, 0, 1), (-1, 0, 1)]]
+    pane = flat_faces("Pane", corners, [(0, 0), (1, 0), (1, 1), (0, 1)])
+    objects, material = [("Pane", pane, np.eye(4))], verglas.Material("Glass")
+    values = np.full((8, 8), 0.2)
+    values[4:, :4] = 1.0  # upper left
+    mixed = picture(verglas.Texture("Quarter", values, "EXTEND"))
+    sharp = picture(verglas.Texture("Sharp", np.full((1, 1), 0.2)))
+    rough = picture(verglas.Texture("Rough", np.full((1, 1), 1.0)))
+    upper_left, lower_left, right = np.s_[60:70, 25:38], np.s_[25:38, 25:38], np.s_[25:70, 60:70]
+    assert mixed[upper_left] == pytest.approx(rough[upper_left], abs=1e-3)
+    assert mixed[lower_left] == pytest.approx(sharp[lower_left], abs=1e-3)
+    assert mixed[right] == pytest.approx(sharp[right], abs=1e-3)
+    assert np.abs(rough[lower_left] - sharp[lower_left]).max() > 0.02

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/scene/texture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/error.h"
+
+namespace verglas {
+
+Texture::Texture(std::string name, int width, int height, std::vector<float> values, Extension extension)
+    : name_(std::move(name)),
+      width_(width),
+      height_(height),
+      values_(std::move(values)),
+      extension_(extension) {
+    if (width < 1 || height < 1 || values_.size() != std::size_t(width) * height)
+        throw Error("Texture '" + name_ + "' has no pixels, or not as many as its size says.");
+}
+
+float Texture::texel(int x, int y) const {
+    if (extension_ == Extension::Repeat) {
+        x = (x % width_ + width_) % width_;
+        y = (y % height_ + height_) % height_;
+    } else if (extension_ == Extension::Clip && (x < 0 || y < 0 || x >= width_ || y >= height_)) {
+        return 0.0F;
+    }
+    return values_[std::size_t(std::clamp(y, 0, height_ - 1)) * width_ + std::clamp(x, 0, width_ - 1)];
+}
+
+float Texture::sample(glm::vec2 uv) const {
+    if (extension_ == Extension::Repeat) uv -= glm::floor(uv);
+    // Far outside all extensions are constant, and integers would overflow.
+    const glm::vec2 size(width_, height_);
+    const glm::vec2 place = glm::clamp(uv * size - 0.5F, glm::vec2(-2.0F), size + 1.0F);
+    const glm::vec2 corner = glm::floor(place);
+    const glm::vec2 t = place - corner;
+    const int x = static_cast<int>(corner.x);
+    const int y = static_cast<int>(corner.y);
+    return glm::mix(glm::mix(texel(x, y), texel(x + 1, y), t.x),
+                    glm::mix(texel(x, y + 1), texel(x + 1, y + 1), t.x), t.y);
+}
+
+}  // namespace verglas
