@@ -44,8 +44,26 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
         scene = sync.scene_from(depsgraph, warn)
         scene.camera = camera.from_blender(
             camera_object.evaluated_get(depsgraph), depsgraph, width, height, warn)
-        render_settings = settings.from_blender(depsgraph.scene_eval, width, height, warn)
+        blender_scene = depsgraph.scene_eval
+        if blender_scene.verglas.method == 'REFERENCE':
+            path_settings = settings.reference(blender_scene, width, height, warn)
+            return self._trace(core.PathTracer(scene, path_settings), blender_scene.verglas.reference_samples,
+                               depsgraph.view_layer.name)
+        render_settings = settings.from_blender(blender_scene, width, height, warn)
         return renderer.render(scene, render_settings, self._progress)
+
+    def _trace(self, tracer: core.PathTracer, samples: int, view_layer: str) -> core.Frame | None:
+        """The reference. Whenever the samples have doubled, the picture so far is shown; what there is
+        when the user cancels is kept."""
+        def progress(done: int, _) -> bool:
+            return self._progress(before + done, samples)
+
+        while (before := tracer.samples) < samples:
+            if before and not bpy.app.background:
+                self._write(tracer.frame(), view_layer)
+            if not tracer.render(min(max(before, 1), samples - before), progress):
+                break
+        return tracer.frame() if tracer.samples else None
 
     def _progress(self, done: int, total: int) -> bool:
         """Whether to go on."""

@@ -8,6 +8,39 @@ from bpy.props import (
 
 
 class VerglasSceneSettings(bpy.types.PropertyGroup):
+    method: EnumProperty(
+        name="Method",
+        description="How final frames are rendered; the viewport is always real time",
+        items=(
+            ('REAL_TIME', "Real Time", "Lobes of light, without noise"),
+            ('REFERENCE', "Reference", "Path tracing of the same glass, to check a real-time frame by"),
+        ),
+        default='REAL_TIME',
+    )
+    reference_samples: IntProperty(
+        name="Samples",
+        description="Paths for each pixel. Powers of two converge best",
+        default=256, min=1, max=1 << 20, soft_max=4096,
+    )
+    reference_paths: EnumProperty(
+        name="Paths",
+        description="Which light is followed",
+        items=(
+            ('FULL', "Full", "All: reflection, inner reflections, light that enters again"),
+            ('TWO_INTERFACE', "Two Interfaces", "Light that enters, leaves and is gone, as in real time"),
+        ),
+        default='FULL',
+    )
+    reference_tir: BoolProperty(
+        name="Total Internal Reflection",
+        description="Follow totally reflected light inside until it leaves; else it is lost",
+        default=False,
+    )
+    reference_seed: IntProperty(
+        name="Seed",
+        description="Another seed gives other noise",
+        default=0, min=0,
+    )
     samples: IntProperty(
         name="Samples",
         description="Jittered samples for each pixel. They smooth edges; the glass has no noise to remove",

@@ -51,8 +51,17 @@ class VERGLAS_RENDER_PT_sampling(VerglasPanel, bpy.types.Panel):
     bl_label = "Sampling"
 
     def draw_settings(self, context, layout):
-        layout.prop(context.scene.verglas, "samples")
-        layout.prop(context.scene.verglas, "filter_width")
+        settings = context.scene.verglas
+        layout.prop(settings, "method")
+        if settings.method == 'REFERENCE':
+            layout.prop(settings, "reference_samples")
+            layout.prop(settings, "reference_paths")
+            if settings.reference_paths == 'TWO_INTERFACE':
+                layout.prop(settings, "reference_tir")
+            layout.prop(settings, "reference_seed")
+        else:
+            layout.prop(settings, "samples")
+        layout.prop(settings, "filter_width")
 
 
 class VERGLAS_RENDER_PT_glass(VerglasPanel, bpy.types.Panel):

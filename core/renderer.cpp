@@ -60,10 +60,7 @@ glm::mat4 jittered(const glm::mat4& projection, glm::vec2 offset, glm::ivec2 siz
     return shift * projection;
 }
 
-Rect region_of(const Settings& settings) {
-    const Rect frame{glm::ivec2(0), settings.size};
-    return settings.region ? settings.region->intersected(frame) : frame;
-}
+Rect region_of(const Settings& settings) { return rendered_rect(settings.size, settings.region); }
 
 // GROUP_SIZE of shaders/geometry_buffer.glsl.
 constexpr std::size_t max_materials = 4096;

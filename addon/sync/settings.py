@@ -13,11 +13,30 @@ def from_blender(scene: bpy.types.Scene, width: int, height: int, warn: Warn) ->
     settings = viewport(scene, width, height)
     settings.region = border(scene.render, width, height)
     settings.samples = scene.verglas.samples
+    _warn_of_features(scene, warn)
+    return settings
+
+
+def reference(scene: bpy.types.Scene, width: int, height: int, warn: Warn) -> core.PathSettings:
+    """Of a path-traced final frame."""
+    settings = core.PathSettings()
+    settings.width = width
+    settings.height = height
+    settings.region = border(scene.render, width, height)
+    settings.filter_width = scene.verglas.filter_width
+    settings.mode = scene.verglas.reference_paths
+    settings.tir = scene.verglas.reference_tir
+    settings.seed = scene.verglas.reference_seed
+    settings.transparent = scene.render.film_transparent
+    _warn_of_features(scene, warn)
+    return settings
+
+
+def _warn_of_features(scene: bpy.types.Scene, warn: Warn) -> None:
     if scene.render.use_motion_blur:
         warn(f"Scene '{scene.name}' has motion blur, which isn't supported yet; it is rendered sharp.")
     if scene.render.use_multiview:
         warn(f"Scene '{scene.name}' is stereoscopic, which isn't supported yet; all views show the same.")
-    return settings
 
 
 def viewport(scene: bpy.types.Scene, width: int, height: int) -> core.Settings:

@@ -250,23 +250,29 @@ void def_size(py::class_<Class>& cls) {
             [](Class& self, int height) { self.size.y = height; });
 }
 
+// Any settings with a `region`.
+template <typename Class>
+void def_region(py::class_<Class>& cls) {
+    cls.def_property(
+        "region",
+        [](const Class& self) -> std::optional<std::array<int, 4>> {
+            if (!self.region) return std::nullopt;
+            const Rect& r = *self.region;
+            return std::array<int, 4>{r.begin.x, r.begin.y, r.size().x, r.size().y};
+        },
+        [](Class& self, const std::optional<std::array<int, 4>>& region) {
+            self.region.reset();
+            if (!region) return;
+            const auto [x, y, width, height] = *region;
+            self.region = Rect{{x, y}, {x + width, y + height}};
+        });
+}
+
 void bind_settings(py::module_& module) {
     py::class_<Settings> settings(module, "Settings");
     def_size(settings);
+    def_region(settings);
     settings.def(py::init<>())
-        .def_property(
-            "region",
-            [](const Settings& self) -> std::optional<std::array<int, 4>> {
-                if (!self.region) return std::nullopt;
-                const Rect& r = *self.region;
-                return std::array<int, 4>{r.begin.x, r.begin.y, r.size().x, r.size().y};
-            },
-            [](Settings& self, const std::optional<std::array<int, 4>>& region) {
-                self.region.reset();
-                if (!region) return;
-                const auto [x, y, width, height] = *region;
-                self.region = Rect{{x, y}, {x + width, y + height}};
-            })
         .def_readwrite("samples", &Settings::samples)
         .def_readwrite("filter_width", &Settings::filter_width)
         .def_readwrite("reflection", &Settings::reflection)
@@ -296,6 +302,7 @@ void bind_path_tracer(py::module_& module) {
         .def_readwrite("max_interfaces", &PathSettings::max_interfaces)
         .def_readwrite("seed", &PathSettings::seed);
     def_size(settings);
+    def_region(settings);
     def_enum(settings, "mode", &PathSettings::mode, path_mode_names);
 
     py::class_<PathTracer>(module, "PathTracer")

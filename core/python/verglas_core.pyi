@@ -185,6 +185,8 @@ class PathSettings:
     width: int
     height: int
     """Whole frame in pixels. Default 512 x 512."""
+    region: tuple[int, int, int, int] | None
+    """As Settings.region."""
     filter_width: float
     """As Settings.filter_width."""
     mode: str

@@ -28,6 +28,12 @@ struct Rect {
     Rect united(const Rect& other) const { return {glm::min(begin, other.begin), glm::max(end, other.end)}; }
 };
 
+// The part of a frame that is rendered: all of it without a region.
+inline Rect rendered_rect(glm::ivec2 size, const std::optional<Rect>& region) {
+    const Rect frame{glm::ivec2(0), size};
+    return region ? region->intersected(frame) : frame;
+}
+
 struct Settings {
     glm::ivec2 size{512};
     std::optional<Rect> region;  // the part that is shaded and returned

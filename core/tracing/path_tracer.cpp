@@ -185,33 +185,37 @@ glm::vec4 PathTracer::Paths::trace(Ray ray, const SobolPoint& point) const {
 }
 
 PathTracer::PathTracer(Scene scene, const PathSettings& settings)
-    : scene_(std::move(scene)), settings_(settings) {
+    : scene_(std::move(scene)), settings_(settings), rect_(rendered_rect(settings.size, settings.region)) {
     if (settings_.size.x < 1 || settings_.size.y < 1) throw Error("A picture needs at least one pixel.");
+    if (rect_.empty()) throw Error("The render region lies outside of the picture.");
     paths_ = std::make_unique<const Paths>(scene_, settings_);
-    const std::size_t pixels = std::size_t(settings_.size.x) * settings_.size.y;
+    const std::size_t pixels = std::size_t(rect_.size().x) * rect_.size().y;
     sums_.assign(pixels, glm::vec4(0.0F));
     normal_depth_.resize(pixels);
-    row_samples_.assign(settings_.size.y, 0);
+    row_samples_.assign(rect_.size().y, 0);
 }
 
 PathTracer::~PathTracer() = default;
 
-void PathTracer::trace_row(int y) {
-    const int sample = row_samples_[y]++;
-    for (int x = 0; x < settings_.size.x; ++x) {
-        const std::size_t pixel = std::size_t(y) * settings_.size.x + x;
+void PathTracer::trace_row(int row) {
+    const int sample = row_samples_[row]++;
+    const int y = rect_.begin.y + row;
+    for (int x = rect_.begin.x; x < rect_.end.x; ++x) {
+        const std::size_t pixel =
+            std::size_t(y) * settings_.size.x + x;  // of the whole frame: as without a region
         const SobolPoint point(pixel, static_cast<std::uint32_t>(sample), settings_.seed);
         const glm::vec2 center(x + 0.5F, y + 0.5F);
         const glm::vec2 offset = blackman_harris_offset(point.pair(filter_dimension), settings_.filter_width);
-        sums_[pixel] += paths_->trace(paths_->camera_ray(center + offset), point);
-        if (sample == 0) normal_depth_[pixel] = paths_->normal_depth(paths_->camera_ray(center));
+        const std::size_t place = std::size_t(row) * rect_.size().x + (x - rect_.begin.x);
+        sums_[place] += paths_->trace(paths_->camera_ray(center + offset), point);
+        if (sample == 0) normal_depth_[place] = paths_->normal_depth(paths_->camera_ray(center));
     }
 }
 
 bool PathTracer::render(int samples, const Progress& progress) {
     using Clock = std::chrono::steady_clock;
     if (samples < 1) throw Error("A picture needs at least one sample.");
-    const int block_rows = std::max(block_paths / settings_.size.x, 1);
+    const int block_rows = std::max(block_paths / rect_.size().x, 1);
     const int wanted = samples_ + samples;
     bool go_on = true;
     while (go_on && samples_ < wanted) {
@@ -219,10 +223,10 @@ bool PathTracer::render(int samples, const Progress& progress) {
         // A render that was ended left rows of the first blocks one sample ahead.
         const int first = static_cast<int>(std::find(row_samples_.begin(), row_samples_.end(), samples_) -
                                            row_samples_.begin());
-        const int last = std::min(first + block_rows, settings_.size.y);
-        tbb::parallel_for(first, last, [this](int y) { trace_row(y); });
+        const int last = std::min(first + block_rows, rect_.size().y);
+        tbb::parallel_for(first, last, [this](int row) { trace_row(row); });
         seconds_ += std::chrono::duration<double>(Clock::now() - begin).count();
-        if (last == settings_.size.y) ++samples_;
+        if (last == rect_.size().y) ++samples_;
         if (progress) go_on = progress(samples_ + samples - wanted, samples);
     }
     return samples_ == wanted;
@@ -231,10 +235,10 @@ bool PathTracer::render(int samples, const Progress& progress) {
 Frame PathTracer::frame() const {
     if (samples_ < 1) throw Error("A picture needs at least one sample.");
     Frame frame;
-    frame.size = settings_.size;
+    frame.size = rect_.size();
     frame.combined = sums_;
     for (std::size_t i = 0; i < sums_.size(); ++i)
-        frame.combined[i] /= static_cast<float>(row_samples_[i / settings_.size.x]);
+        frame.combined[i] /= static_cast<float>(row_samples_[i / rect_.size().x]);
     frame.normal_depth = normal_depth_;
     frame.seconds = seconds_;
     return frame;

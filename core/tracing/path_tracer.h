@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/frame.h"
@@ -19,6 +20,7 @@ enum class PathMode {
 
 struct PathSettings {
     glm::ivec2 size{512};
+    std::optional<Rect> region;  // the part that is rendered and returned
     float filter_width = 1.5F;
     PathMode mode = PathMode::Full;
     bool tir =
@@ -53,14 +55,15 @@ class PathTracer {
   private:
     class Paths;  // what a path meets
 
-    void trace_row(int y);
+    void trace_row(int row);
 
     const Scene scene_;
     const PathSettings settings_;
+    const Rect rect_;
     std::unique_ptr<const Paths> paths_;
     std::vector<glm::vec4> sums_;
     std::vector<glm::vec4> normal_depth_;
-    std::vector<int> row_samples_;
+    std::vector<int> row_samples_;  // of the region's rows, as sums_ is
     int samples_ = 0;
     double seconds_ = 0.0;
 };
