@@ -20,6 +20,14 @@ ADOPTED_PANELS = (
 LINEAR_COLOR_SPACES = frozenset({'Linear', 'Linear Rec.709', 'Non-Color', 'Raw'})
 """Names of the image colour spaces whose values are scene-linear already ('Linear' until 3.6)."""
 
+EEVEE = 'BLENDER_EEVEE_NEXT' if (4, 2, 0) <= VERSION < (5, 0, 0) else 'BLENDER_EEVEE'
+"""EEVEE's name as a render engine."""
+
+EXR = {"file_format": 'OPEN_EXR', "color_mode": 'RGB', "color_depth": '32'}
+"""Image settings, in the order in which they must be set, for a scene-linear float32 picture."""
+if VERSION >= (5, 0, 0):
+    EXR = {"media_type": 'IMAGE'} | EXR
+
 
 def uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
     """Whether nodes define it; from 5.0 they always do, and asking use_nodes warns."""

@@ -30,6 +30,11 @@ def render_if_idle(scene: core.Scene, settings: core.Settings) -> core.Frame | N
         _busy.release()
 
 
+def device() -> str:
+    """The driver's name for what renders. Raises core.Error where OpenGL can't be had."""
+    return _get().device
+
+
 def _get() -> core.Renderer:
     global _renderer
     if _renderer is None:

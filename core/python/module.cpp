@@ -234,7 +234,12 @@ void bind_scene(py::module_& module) {
                  return static_cast<int>(self.materials.size()) - 1;
              })
         .def("add_object", &add_object, py::arg("name"), py::arg("mesh"), py::arg("matrix"),
-             py::arg("materials"));
+             py::arg("materials"))
+        .def_property_readonly("triangle_count", [](const Scene& self) {
+            std::size_t count = 0;
+            for (const Object& object : self.objects) count += object.mesh->triangle_count();
+            return count;
+        });
     def_rgb(scene, "environment_color", &Scene::environment_color);
     def_matrix(scene, "environment_rotation", &Scene::environment_rotation);
 }

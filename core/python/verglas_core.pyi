@@ -120,6 +120,9 @@ class Scene:
     def add_object(self, name: str, mesh: Mesh, matrix: ArrayLike, materials: Sequence[int]) -> None:
         """matrix: (4, 4) object -> world, mirrored ones too. materials: material index of every slot;
         slots past the end take the last. Raises Error when empty, out of range or not finite."""
+    @property
+    def triangle_count(self) -> int:
+        """Of all objects; a mesh counts as often as it is used."""
 
 class Settings:
     width: int
