@@ -34,6 +34,12 @@ def uses_nodes(owner: bpy.types.Material | bpy.types.World) -> bool:
     return owner.node_tree is not None and (VERSION >= (5, 0, 0) or owner.use_nodes)
 
 
+def use_nodes(owner: bpy.types.Material | bpy.types.World) -> None:
+    """Makes nodes define it."""
+    if VERSION < (5, 0, 0):
+        owner.use_nodes = True
+
+
 def principled_transmission_tint(base_color: np.ndarray) -> np.ndarray:
     """RGB factor of one refraction through Principled BSDF: the base colour until 3.6, from 4.0
     its square root, so that entering and leaving together give the base colour."""

@@ -57,6 +57,12 @@ class Picture:
     pass_seconds: dict[str, float] = field(default_factory=dict)
     samples: int = 1
 
+    @classmethod
+    def of(cls, tracer: core.PathTracer) -> "Picture":
+        """What a path tracer has reached."""
+        frame = tracer.frame()
+        return cls(_rgb(frame), frame.seconds, samples=tracer.samples)
+
 
 @dataclass(frozen=True)
 class Conditions:
@@ -121,7 +127,7 @@ class Subject:
         frame = next(frame for frame in frames if frame.seconds == median)
         return Picture(_rgb(frame), frame.seconds, dict(frame.pass_seconds), chosen.samples)
 
-    def path_tracer(self, seed: int = 0) -> "core.PathTracer":
+    def path_tracer(self, seed: int = 0) -> core.PathTracer:
         """The core's path tracer on this scene, without samples yet."""
         conditions = self.conditions
         chosen = core.PathSettings()
@@ -137,10 +143,7 @@ class Subject:
                   progress: Callable[[int, int], bool] | None = None) -> Picture | None:
         """By the core's path tracer; None when progress has ended it."""
         tracer = self.path_tracer(seed)
-        if not tracer.render(samples, progress):
-            return None
-        frame = tracer.frame()
-        return Picture(_rgb(frame), frame.seconds, samples=tracer.samples)
+        return Picture.of(tracer) if tracer.render(samples, progress) else None
 
     def cycles(self, samples: int, seed: int = 0) -> Picture:
         """By Cycles on the CPU, with all light, whatever the conditions' paths. Raises Fault where Cycles

@@ -107,6 +107,9 @@ _READERS = {
     'BSDF_PRINCIPLED': _principled_bsdf,
 }
 
+GLASS_NODES = frozenset(_READERS)
+"""Types of the shader nodes that can be glass."""
+
 
 def _microfacet(name: str, node: nodes.Node) -> core.Material:
     """What the three glass nodes have in common."""
