@@ -13,7 +13,7 @@ bl_info = {
 
 from importlib import import_module
 
-from . import properties, ui
+from . import operators, properties, ui
 
 try:
     import_module(".verglas_core", __package__)
@@ -29,9 +29,11 @@ def register():
     properties.register()
     engine.register()
     ui.register()
+    operators.register()
 
 
 def unregister():
+    operators.unregister()
     ui.unregister()
     engine.unregister()
     properties.unregister()

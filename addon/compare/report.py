@@ -195,8 +195,10 @@ def best_of(key: str, methods: dict[str, dict]) -> str | None:
 
 
 def _row_of_pictures(name: str, methods: dict[str, dict], folder: Path) -> str:
-    entry = methods.get(name)
-    about = f"relative MSE {pages.number(entry['relmse'])}, {pages.seconds(entry['seconds'])}" if entry else ""
+    about = ""
+    if name in methods:
+        entry = methods[name]
+        about = f"relative MSE {pages.number(entry['relmse'])}, {pages.seconds(entry['seconds'])}"
     files = {f"{name}.png": "Picture", f"{name}_difference.png": "Signed difference",
              f"{name}_error.png": "Absolute difference"}
     pictures = "".join(pages.figure(file, kind) for file, kind in files.items() if (folder / file).is_file())
