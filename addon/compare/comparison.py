@@ -10,6 +10,7 @@ from .. import verglas_core as core
 from ..faults import Fault
 from . import metrics
 from .methods import METHODS, PATH_TRACED, REAL_TIME, Conditions, Picture, Subject
+from .notes import explain
 from .progress import Progress
 from .truth import FIRST_SAMPLES, MAX_SAMPLES, NOISE_TO_ERROR, Truth
 
@@ -96,6 +97,7 @@ def compare(scene: bpy.types.Scene, options: Options, progress: Progress) -> Com
         for method in (method for method in ("cycles", "eevee") if method in methods):
             notes.append(f"{method} can't leave paths out: its error holds all the light that the truth, of "
                          f"{options.paths} paths, doesn't have.")
+    notes += explain(subject, truth, pictures)
     return Comparison(subject, options, truth, methods, list(dict.fromkeys(notes)))
 
 

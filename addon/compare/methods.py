@@ -130,10 +130,8 @@ class Subject:
     def path_tracer(self, seed: int = 0) -> core.PathTracer:
         """The core's path tracer on this scene, without samples yet."""
         conditions = self.conditions
-        chosen = core.PathSettings()
-        chosen.width, chosen.height = conditions.width, conditions.height
-        chosen.filter_width = self.scene.verglas.filter_width
-        chosen.transparent = self.scene.render.film_transparent
+        chosen = settings.reference(self.scene, conditions.width, conditions.height, self._warn)
+        chosen.region = None
         chosen.mode = conditions.paths.upper()
         chosen.tir = conditions.tir
         chosen.seed = seed

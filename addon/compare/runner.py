@@ -45,6 +45,9 @@ def run(cases: Sequence[Case], options: Options, folder: Path, command: Command,
 
 def _run_case(case: Case, options: Options, folder: Path, command: Command, progress: Progress,
               overview_path: str = "") -> dict:
+    """Returns what report.json holds."""
+    for name in ("report.json", "index.html", "summary.json"):  # of an earlier run
+        (folder / name).unlink(missing_ok=True)
     comparison = compare(open_case(case), options, progress)
     progress.step("writing the report")
     return report.write(comparison, case, command(case, folder), folder, overview_path)

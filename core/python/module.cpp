@@ -4,14 +4,18 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <tbb/parallel_for.h>
 
 #include <array>
 #include <glm/gtc/type_ptr.hpp>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "core/error.h"
 #include "core/renderer.h"
 #include "core/tracing/path_tracer.h"
+#include "core/tracing/ray_scene.h"
 
 namespace py = pybind11;
 
@@ -235,6 +239,7 @@ void bind_scene(py::module_& module) {
              })
         .def("add_object", &add_object, py::arg("name"), py::arg("mesh"), py::arg("matrix"),
              py::arg("materials"))
+        .def_property_readonly("materials", [](const Scene& self) { return self.materials; })
         .def_property_readonly("triangle_count", [](const Scene& self) {
             std::size_t count = 0;
             for (const Object& object : self.objects) count += object.mesh->triangle_count();
@@ -298,7 +303,50 @@ Renderer::Progress progress_of(const PythonProgress& progress) {
     };
 }
 
+// What rays meet first, as arrays by the name of Hit's members.
+py::dict intersect(const RayScene& self, const Array<float>& origins, const Array<float>& directions) {
+    const auto from = rows_of<glm::vec3>(origins, 3, "origins");
+    const auto to = rows_of<glm::vec3>(directions, 3, "directions");
+    if (from.size() != to.size()) throw Error("Rays need as many origins as directions.");
+    const auto count = static_cast<py::ssize_t>(from.size());
+    py::array_t<float> t(count);
+    py::array_t<float> geometric_normal({count, py::ssize_t{3}});
+    py::array_t<float> normal({count, py::ssize_t{3}});
+    py::array_t<int> material(count);
+    py::array_t<int> object(count);
+    float* const ts = t.mutable_data();
+    auto* const geometric_normals = reinterpret_cast<glm::vec3*>(geometric_normal.mutable_data());
+    auto* const normals = reinterpret_cast<glm::vec3*>(normal.mutable_data());
+    int* const materials = material.mutable_data();
+    int* const objects = object.mutable_data();
+    {
+        const py::gil_scoped_release release;
+        Hit none;
+        none.t = std::numeric_limits<float>::infinity();
+        none.material = none.object = -1;
+        tbb::parallel_for(std::size_t{0}, from.size(), [&](std::size_t i) {
+            const Hit hit = self.intersect(from[i], glm::normalize(to[i])).value_or(none);
+            ts[i] = hit.t;
+            geometric_normals[i] = hit.geometric_normal;
+            normals[i] = hit.normal;
+            materials[i] = hit.material;
+            objects[i] = hit.object;
+        });
+    }
+    py::dict hits;
+    hits["t"] = t;
+    hits["geometric_normal"] = geometric_normal;
+    hits["normal"] = normal;
+    hits["material"] = material;
+    hits["object"] = object;
+    return hits;
+}
+
 void bind_path_tracer(py::module_& module) {
+    py::class_<RayScene>(module, "RayScene")
+        .def(py::init<const Scene&>(), py::arg("scene"))
+        .def("intersect", &intersect, py::arg("origins"), py::arg("directions"));
+
     py::class_<PathSettings> settings(module, "PathSettings");
     settings.def(py::init<>())
         .def_readwrite("filter_width", &PathSettings::filter_width)

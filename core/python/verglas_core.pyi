@@ -40,6 +40,9 @@ class Mesh:
     @property
     def name(self) -> str: ...
     @property
+    def materials(self) -> list[Material]:
+        """Copies of them, by index."""
+    @property
     def triangle_count(self) -> int: ...
     @property
     def warnings(self) -> list[str]: ...
@@ -121,6 +124,9 @@ class Scene:
         """matrix: (4, 4) object -> world, mirrored ones too. materials: material index of every slot;
         slots past the end take the last. Raises Error when empty, out of range or not finite."""
     @property
+    def materials(self) -> list[Material]:
+        """Copies of them, by index."""
+    @property
     def triangle_count(self) -> int:
         """Of all objects; a mesh counts as often as it is used."""
 
@@ -181,6 +187,15 @@ class Renderer:
         """Waits for the picture, with the GIL released, and for those that other threads have asked for.
         progress(done, total) is called after each sample on the calling thread; when it returns False
         the render ends and None is returned."""
+
+class RayScene:
+    """The surfaces of a scene as it was given, for rays."""
+    def __init__(self, scene: Scene) -> None: ...
+    def intersect(self, origins: ArrayLike, directions: ArrayLike) -> dict[str, NDArray]:
+        """What each ray meets first, from either side. origins, directions: (N, 3), world space; directions need
+        not be of unit length. Returns 't': (N,) distances, infinite where there is nothing; 'geometric_normal':
+        (N, 3), of the triangle, outward by its winding; 'normal': (N, 3), interpolated; 'material' and
+        'object': (N,) indices in the order in which they were added, -1 where there is nothing."""
 
 class PathSettings:
     """Of the path tracer, the ground truth."""

@@ -70,8 +70,8 @@ RayScene::RayScene(const Scene& scene) : device_(rtcNewDevice(nullptr)), top_(nu
         rtcAttachGeometryByID(top_.get(), instance, static_cast<unsigned>(objects_.size()));
         rtcReleaseGeometry(instance);
         const glm::mat3 linear(object.matrix);
-        objects_.push_back(
-            {object.mesh, object.matrix, glm::transpose(glm::inverse(linear)), object.materials});
+        objects_.push_back({object.mesh, object.matrix, glm::transpose(glm::inverse(linear)),
+                            object.materials, static_cast<int>(&object - scene.objects.data())});
     }
     rtcCommitScene(top_.get());
 }
@@ -114,6 +114,7 @@ std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3&
     hit.normal = glm::normalize(object.normal_matrix * mix(object.mesh->normals()));
     if (!object.mesh->uvs().empty()) hit.uv = mix(object.mesh->uvs());
     hit.material = material_of(object, query.hit.primID);
+    hit.object = object.index;
     return hit;
 }
 

@@ -20,6 +20,7 @@ struct Hit {
     glm::vec3 normal{0.0F};            // unit, interpolated
     glm::vec2 uv{0.0F};                // 0 where the mesh has none
     int material = 0;
+    int object = 0;  // index into Scene::objects
 };
 
 // A scene for rays: one tree for each mesh, and one over all objects (Embree). Can be asked by many threads.
@@ -44,6 +45,7 @@ class RayScene {
         glm::mat4 matrix;
         glm::mat3 normal_matrix;  // object -> world, for normals
         std::vector<int> materials;
+        int index;  // in Scene::objects
     };
 
     int material_of(const Placed& object, std::uint32_t triangle) const;
