@@ -131,4 +131,5 @@ def main():
     sys.exit(0 if done else 1)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -2,15 +2,16 @@
 """One scene by every method, each measured against one truth."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import bpy
 
 from .. import verglas_core as core
 from ..faults import Fault
 from . import metrics
+from .measured import Measured
 from .methods import METHODS, PATH_TRACED, REAL_TIME, Conditions, Picture, Subject
-from .notes import explain
+from .notes import explain, explain_cost
 from .progress import Progress
 from .truth import FIRST_SAMPLES, MAX_SAMPLES, NOISE_TO_ERROR, Truth
 
@@ -43,18 +44,6 @@ class Options:
 
 
 @dataclass
-class Measured:
-    """A method's picture and what was found out about it."""
-    picture: Picture
-    metrics: dict[str, float | None]
-    """those of metrics.ALL, and relmse_net"""
-    noise: float | None = None
-    """of path-traced methods: relmse to another such picture"""
-    convergence: list[dict[str, float]] = field(default_factory=list)
-    """of path-traced methods: samples, seconds and relmse on the way to the picture"""
-
-
-@dataclass
 class Comparison:
     """Methods by name, in the order of METHODS, and their truth."""
     subject: Subject
@@ -68,44 +57,57 @@ class Comparison:
 def compare(scene: bpy.types.Scene, options: Options, progress: Progress) -> Comparison:
     """Renders and measures. A method that can't be had is left out, with a note. Raises Fault or core.Error
     where the scene or the truth can't be rendered."""
-    notes = [f"There is no method '{name}'; there are {', '.join(METHODS)}."
-             for name in options.methods if name not in METHODS]
+    notes: list[str] = []
     progress.step("exporting the scene")
     subject = Subject(scene, options.conditions(scene), notes.append)
     truth = Truth(options.truth, subject)
-
-    stages: dict[str, list[Picture]] = {}
-    noises: dict[str, float] = {}
-    for method in (known for known in METHODS if known in options.methods):
-        try:
-            stages[method] = _render(subject, method, options, progress)
-            if method in PATH_TRACED:
-                noises[method] = _noise(subject, method, stages[method][-1], progress)
-        except (Fault, core.Error) as fault:
-            stages.pop(method, None)
-            notes.append(f"{method} isn't in this report: {fault}")
+    stages, noises = _render_all(subject, options, notes.append, progress)
     pictures = {method: pictures[-1] for method, pictures in stages.items()}
     _sample(truth, options, pictures, notes.append, progress)
 
     progress.step("measuring")
-    methods = {method: _measure(pictures, truth, subject, noises.get(method))
+    methods = {method: Measured.against(truth, pictures, noises.get(method))
                for method, pictures in stages.items()}
-    for key in _MISSING:
-        if methods and all(measured.metrics[key] is None for measured in methods.values()):
-            notes.append(_MISSING[key])
-    if options.paths != 'full':
-        for method in (method for method in ("cycles", "eevee") if method in methods):
-            notes.append(f"{method} can't leave paths out: its error holds all the light that the truth, of "
-                         f"{options.paths} paths, doesn't have.")
-    notes += explain(subject, truth, pictures)
+    notes += _notes_on_what_is_missing(methods, options)
+    notes += explain(subject, truth, pictures) + explain_cost(methods)
     return Comparison(subject, options, truth, methods, list(dict.fromkeys(notes)))
+
+
+def _render_all(subject: Subject, options: Options, note: Callable[[str], None],
+                progress: Progress) -> tuple[dict[str, list[Picture]], dict[str, float]]:
+    """By method: its pictures as _render() returns them, and the noise of the last if it is path traced."""
+    stages: dict[str, list[Picture]] = {}
+    noises: dict[str, float] = {}
+    for method in (known for known in METHODS if known in options.methods):
+        try:
+            pictures = _render(subject, method, options, progress)
+            if method in PATH_TRACED:
+                noises[method] = _noise(subject, method, pictures[-1], progress)
+        except (Fault, core.Error) as fault:
+            note(f"{method} isn't in this report: {fault}")
+        else:
+            stages[method] = pictures
+    return stages, noises
+
+
+def _notes_on_what_is_missing(methods: dict[str, Measured], options: Options) -> list[str]:
+    notes = [f"There is no method '{name}'; there are {', '.join(METHODS)}."
+             for name in options.methods if name not in METHODS]
+    for metric, sentence in _MISSING.items():
+        if methods and all(measured.metrics[metric] is None for measured in methods.values()):
+            notes.append(sentence)
+    if options.paths != 'full':
+        notes += [f"{method} can't leave paths out: its error holds all the light that the truth, of "
+                  f"{options.paths} paths, doesn't have."
+                  for method in ("cycles", "eevee") if method in methods]
+    return notes
 
 
 _MISSING = {
     "ssim": "SSIM isn't measured: it needs scikit-image (on Debian: python3-skimage) and 11 x 11 pixels.",
     "flip": "FLIP isn't measured: it needs the Python module flip_evaluator (from PyPI: flip-evaluator).",
 }
-"""Notes on metrics that no method has."""
+"""Notes on metrics that can't be had."""
 
 
 def _render(subject: Subject, method: str, options: Options, progress: Progress) -> list[Picture]:
@@ -178,13 +180,3 @@ def _sample(truth: Truth, options: Options, pictures: dict[str, Picture], note: 
     if judged and truth.noise >= allowed():
         note(f"The truth is noisy: with {truth.samples} samples its noise is {truth.noise:.2g} (relative "
              f"MSE), not below {allowed():.2g}, a tenth of the smallest error measured against it.")
-
-
-def _measure(pictures: list[Picture], truth: Truth, subject: Subject, noise: float | None) -> Measured:
-    pixels, mask = truth.pixels, subject.mask
-    found = metrics.measure(pictures[-1].pixels, pixels, mask)
-    found["relmse_net"] = metrics.relmse_net(pictures[-1].pixels, truth.halves, mask)
-    convergence = [
-        {"samples": p.samples, "seconds": p.seconds, "relmse": metrics.relmse(p.pixels, pixels, mask)}
-        for p in pictures] if noise is not None else []
-    return Measured(pictures[-1], found, noise, convergence)

@@ -21,8 +21,8 @@ def relmse(a: np.ndarray, b: np.ndarray, mask: np.ndarray) -> float:
 
 def relmse_net(a: np.ndarray, halves: tuple[np.ndarray, np.ndarray], mask: np.ndarray) -> float:
     """relmse against the mean of two independent truths, without the part that is the truths' own noise:
-    their errors are independent, so in the product of the two differences they cancel on average. The
-    estimate may be slightly negative where a is as exact as the truths."""
+    their errors are independent, so in the product of the two differences they cancel on average (in the
+    denominator they don't, which matters little). Slightly negative for some a that is as exact as they."""
     first, second = (_inside(a, half, mask)[1] for half in halves)
     a = a[mask].astype(np.float64)
     return float(np.mean((a - first) * (a - second) / ((0.5 * (first + second)) ** 2 + RELATIVE_FLOOR)))

@@ -5,8 +5,9 @@ them, and each kind stands for one assumption of the method that doesn't hold th
 import numpy as np
 
 from .. import verglas_core as core
+from .measured import Measured
 from .methods import REAL_TIME, Picture, Subject
-from .metrics import RELATIVE_FLOOR
+from .metrics import RELATIVE_FLOOR, relmse
 from .truth import Truth
 
 JUDGED = "bundle"
@@ -19,8 +20,8 @@ WORTH_TELLING = 0.1
 
 KINDS = {
     "outline": "on the outline, where pixels mix the glass with the world beside it",
-    "open": "where the refracted ray meets a front before any back, or nothing, as the mesh intersects itself "
-            "or isn't closed (the method takes what lies between front and back for glass)",
+    "open": "where the refracted ray meets a front before any back, or nothing, as the mesh intersects "
+            "itself or isn't closed (the method takes all between front and back for glass)",
     "hidden": "where the refracted ray leaves through a back that the camera can't see, behind another part "
               "of the object or outside of the picture (the method knows one back a pixel)",
     "again": "where the refracted ray meets glass again after leaving (the method ends there)",
@@ -30,7 +31,7 @@ KINDS = {
                "that the camera sees (the method has four rays for the whole lobe)",
     "grazing": "seen at more than 70 degrees from the normal, where the refracted lobe isn't round (the "
                "method has round lobes)",
-    "plain": "where none of this is so",
+    "plain": "where the rays meet nothing that breaks an assumption",
 }
 """Kinds of pixels, each without those before it, as the end of a phrase 'the pixels …'."""
 
@@ -53,7 +54,43 @@ def explain(subject: Subject, truth: Truth, pictures: dict[str, Picture]) -> lis
     if best is not None and others[best] < total:
         excess = errors[JUDGED] - errors[best]
         sentences.append(f"bundle's relative MSE is {excess.mean():.2g} above that of {best}: "
-                         f"{_shares(excess, kinds, lambda part: f'{part:+.2g} comes from')}.")
+                         f"{_shares(excess, kinds, lambda part: f'{part:+.2g} comes from')}. Half of what it "
+                         f"loses, it loses in {_pixels_of_half(excess):,} of {len(excess):,} pixels.")
+        sentences += _explain_search(subject, truth, total)
+    return sentences
+
+
+def _pixels_of_half(values: np.ndarray) -> int:
+    """The least number of values that add up to half of the sum of all positive ones."""
+    largest_first = np.sort(np.maximum(values, 0.0))[::-1].cumsum()
+    return int(np.searchsorted(largest_first, 0.5 * largest_first[-1])) + 1
+
+
+def _explain_search(subject: Subject, truth: Truth, total: float) -> list[str]:
+    """What is due to the search for the exits, where it isn't the slow march through the depth map."""
+    if subject.scene.verglas.intersection == 'MARCH':
+        return []
+    marched = subject.real_time(JUDGED, repeats=1, intersection='MARCH')
+    error = relmse(marched.pixels, truth.pixels, subject.mask)
+    return [f"bundle's relative MSE is {error:.3g} with the march in place of Newton's steps to the exits: "
+            f"{max(total - error, 0.0) / total:.0%} of its error comes from exits that these miss."]
+
+
+def explain_cost(methods: dict[str, Measured]) -> list[str]:
+    """How many samples path tracers need to be as exact as bundle."""
+    if JUDGED not in methods:
+        return []
+    error, seconds = methods[JUDGED].metrics["relmse"], methods[JUDGED].picture.seconds
+    sentences = []
+    for name, measured in methods.items():
+        way = measured.convergence
+        reached = next((point for point in way if point["relmse"] <= error), None)
+        if reached:
+            sentences.append(f"bundle takes {seconds:.2g} s; {name} is as close to the truth with "
+                             f"{reached['samples']} samples, after {reached['seconds']:.2g} s.")
+        elif way:
+            sentences.append(f"bundle takes {seconds:.2g} s; {name} isn't as close to the truth with "
+                             f"{way[-1]['samples']} samples, after {way[-1]['seconds']:.2g} s.")
     return sentences
 
 

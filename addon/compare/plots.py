@@ -25,7 +25,7 @@ LETTERING = "#808080"
 STYLE = {
     "axes.edgecolor": LETTERING, "axes.labelcolor": LETTERING, "text.color": LETTERING,
     "xtick.color": LETTERING, "ytick.color": LETTERING, "axes.facecolor": "none", "figure.facecolor": "none",
-    "savefig.facecolor": "none", "grid.color": LETTERING, "grid.alpha": 0.25, "axes.grid": True,
+    "savefig.facecolor": "none", "grid.color": LETTERING, "grid.alpha": 0.25,
     "axes.spines.top": False, "axes.spines.right": False, "font.size": 9.0, "svg.hashsalt": "verglas",
     "legend.frameon": False,
 }
@@ -97,6 +97,7 @@ def draw_scan_line(path: Path, comparison: Comparison) -> None:
     with _style():
         figure = _figure((8.0, 3.6))
         axes = figure.add_subplot()
+        axes.grid(True)
         axes.plot(x, comparison.truth.pixels[row, first:last] @ LUMINANCE, color=COLORS["truth"], linewidth=4,
                   alpha=0.6, label="truth")
         for method, measured in comparison.methods.items():
@@ -122,6 +123,7 @@ def draw_error_over_cost(path: Path, comparison: Comparison) -> None:
     with _style():
         figure = _figure((8.0, 4.2))
         axes = figure.add_subplot()
+        axes.grid(True)
         axes.set_xscale("log")
         axes.set_yscale("log")
         for method, measured in comparison.methods.items():

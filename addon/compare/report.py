@@ -13,7 +13,8 @@ from .. import bl_info, renderer
 from ..faults import Fault
 from . import images, metrics, pages, plots
 from .cases import Case
-from .comparison import Comparison, Measured
+from .comparison import Comparison
+from .measured import Measured
 from .methods import PATH_TRACED, REAL_TIME
 
 COLUMNS = {

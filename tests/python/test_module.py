@@ -360,3 +360,25 @@ def test_path_tracer_reads_roughness_from_a_texture():
     assert mixed[lower_left] == pytest.approx(sharp[lower_left], abs=1e-3)
     assert mixed[right] == pytest.approx(sharp[right], abs=1e-3)
     assert np.abs(rough[lower_left] - sharp[lower_left]).max() > 0.02
+
+
+def test_rays_meet_what_was_added():
+    """A tool that asks what lies where loses: the distance, the side, and which object and material it is."""
+    scene = verglas.Scene()
+    materials = [scene.add_material(verglas.Material(name)) for name in ("Front", "Back")]
+    empty = verglas.Mesh("Empty", np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
+    scene.add_object("Empty", empty, np.eye(4), materials)
+    for material, y in zip(materials, (0.0, 5.0)):
+        matrix = np.eye(4)
+        matrix[1, 3] = y
+        scene.add_object("Cube", cube(), matrix, [material])
+    hits = verglas.RayScene(scene).intersect([[0, -9, 0], [0, 0, 0], [0, 2, 0], [0, 2, 0]],
+                                             [[0, 1, 0], [0, 3, 0], [0, 1, 0], [1, 0, 0]])
+    assert hits["t"] == pytest.approx([8, 1, 2, np.inf])
+    assert hits["geometric_normal"] == pytest.approx(np.array([[0, -1, 0], [0, 1, 0], [0, -1, 0], [0, 0, 0]]))
+    assert hits["normal"] == pytest.approx(hits["geometric_normal"])
+    assert hits["material"].tolist() == [0, 0, 1, -1] and hits["object"].tolist() == [1, 1, 2, -1]
+    assert [material.name for material in scene.materials] == ["Front", "Back"]
+    assert scene.triangle_count == 24
+    with pytest.raises(verglas.Error, match="as many origins as directions"):
+        verglas.RayScene(scene).intersect([[0, 0, 0]], [[0, 1, 0], [0, 1, 0]])
