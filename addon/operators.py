@@ -119,9 +119,10 @@ class VERGLAS_OT_compare(bpy.types.Operator):
         return {'PASS_THROUGH'}
 
     def cancel(self, context):
-        """Blender calls this too, when it quits meanwhile."""
-        self._comparison.kill()
-        self._leave(context)
+        """Blender calls this too, when it quits meanwhile or the dialog is closed."""
+        if self._comparison is not None:
+            self._comparison.kill()
+            self._leave(context)
 
     def _leave(self, context):
         context.window_manager.event_timer_remove(self._timer)
