@@ -31,7 +31,7 @@ STYLE = {
 }
 
 PICTURE_PIXELS = 320
-"""Smaller difference pictures are enlarged by a whole factor to at least this width."""
+"""Smaller difference pictures are enlarged by a whole factor to about this width."""
 
 
 def relative_difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -72,7 +72,7 @@ def _draw_map(path: Path, values: np.ndarray, mask: np.ndarray, limits: tuple[fl
               extend: str, label: str) -> None:
     """One value to one pixel, or to a square of them in small pictures."""
     dpi, bar, margin = 100, 90, 12
-    factor = -(-PICTURE_PIXELS // mask.shape[1])
+    factor = max(1, PICTURE_PIXELS // mask.shape[1])
     height, width = (factor * size for size in mask.shape)
     with _style():
         figure = _figure(((width + bar) / dpi, (height + 2 * margin) / dpi), layout="none")
