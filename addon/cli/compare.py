@@ -74,7 +74,7 @@ def argument_parser():
     result.add_argument("--roughness", type=numbers, default=[], metavar="R,R,...")
     result.add_argument("--maps", type=names, default=(), metavar="FILE,...")
     result.add_argument("--out", metavar="DIR")
-    result.add_argument("--launcher", default="", help="the command that started this, for the report")
+    result.add_argument("--launcher", default="", help="path of the launcher that started this, for the report")
     return result
 
 
@@ -94,8 +94,9 @@ def command_line(arguments, case, folder):
                            "roughness": [] if case.roughness is None else [case.roughness],
                            "maps": () if case.map is None else (case.map,)}
     default = vars(argument_parser().parse_args(["FILE"]))
-    started = shlex.split(arguments.launcher) or [
-        bpy.app.binary_path, "--background", "--python", __file__, "--"]
+    started = [bpy.app.binary_path, "--background", "--python", __file__, "--"]
+    if arguments.launcher:
+        started = [arguments.launcher, "compare"]
     words = [*started, *values["files"]]
     for name, text in TEXTS.items():
         if values[name] != default[name]:

@@ -37,6 +37,8 @@ def core_scene(scene: bpy.types.Scene, width: int, height: int, warn: Warn) -> c
     try:
         with plain_picture(scene, width, height), changed(scene.render, engine=Exporter.bl_idname):
             bpy.ops.render.render(scene=scene.name)
+    except RuntimeError as error:
+        raise Fault(f"Scene '{scene.name}' can't be rendered: {error}") from error
     finally:
         bpy.utils.unregister_class(Exporter)
     if isinstance(result[0], Exception):

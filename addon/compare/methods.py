@@ -145,7 +145,7 @@ class Subject:
 
     def cycles(self, samples: int, seed: int = 0) -> Picture:
         """By Cycles on the CPU, with all light, whatever the conditions' paths. Raises Fault where Cycles
-        isn't there."""
+        isn't there or fails."""
         if not hasattr(self.scene, "cycles"):
             raise Fault("Blender's Cycles add-on is switched off; switch it on in the preferences.")
         width = self.scene.verglas.filter_width
@@ -153,7 +153,10 @@ class Subject:
               changed(self.scene.cycles, **CYCLES, samples=samples, seed=seed, filter_width=width),
               tempfile.TemporaryDirectory() as folder):
             start = time.perf_counter()
-            bpy.ops.render.render(scene=self.scene.name)
+            try:
+                bpy.ops.render.render(scene=self.scene.name)
+            except RuntimeError as error:
+                raise Fault(f"Cycles could not render scene '{self.scene.name}': {error}") from error
             seconds = time.perf_counter() - start
             path = Path(folder) / "cycles.exr"
             bpy.data.images["Render Result"].save_render(str(path), scene=self.scene)

@@ -116,6 +116,20 @@ def test_export_is_that_of_a_final_frame(glass):
     assert before == {name: getattr(glass.render, name) for name in before}
 
 
+def test_whole_picture(glass):
+    """A border, a percentage or a second view layer would leave pictures that don't fit each other."""
+    glass.render.use_border = glass.render.use_crop_to_border = True
+    glass.render.border_max_x = 0.5
+    glass.render.resolution_percentage = 50
+    glass.view_layers.new("Second").use = True
+    with_border = methods.Subject(glass, SMALL, pytest.fail)
+    cycles = with_border.cycles(2).pixels
+    assert with_border.mask.shape == cycles.shape[:2] == (36, 48)
+    assert np.array_equal(with_border.mask, with_border.mask[:, ::-1])
+    assert cycles[:, 40:].mean() > 0.1
+    assert (glass.render.use_border, glass.view_layers["Second"].use) == (True, True)
+
+
 def test_nothing_to_compare(scene):
     """A file without camera or glass would end in a traceback."""
     with pytest.raises(Fault, match="shows no glass"):
