@@ -74,7 +74,7 @@ def argument_parser():
     result.add_argument("--roughness", type=numbers, default=[], metavar="R,R,...")
     result.add_argument("--maps", type=names, default=(), metavar="FILE,...")
     result.add_argument("--out", metavar="DIR")
-    result.add_argument("--launcher", default="", help="path of the launcher that started this, for the report")
+    result.add_argument("--launcher", default="", help="what started this, for the report")
     return result
 
 
