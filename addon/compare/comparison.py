@@ -175,7 +175,10 @@ def _sample(truth: Truth, options: Options, pictures: dict[str, Picture], note: 
         return NOISE_TO_ERROR * min(errors, default=0.0)
 
     add(options.spp + options.spp % 2 if options.spp else FIRST_SAMPLES)
-    while options.spp is None and truth.noise >= allowed() and truth.samples < MAX_SAMPLES and judged:
+    while options.spp is None and judged and truth.noise >= allowed() and truth.samples < MAX_SAMPLES:
+        needed = truth.samples * truth.noise / max(allowed(), 1e-12)  # noise falls as 1 / samples
+        progress.say(f"the truth's noise is {truth.noise:.2g}, {allowed():.2g} is wanted: "
+                     f"about {min(needed, MAX_SAMPLES):,.0f} samples")
         add(truth.samples)
     if judged and truth.noise >= allowed():
         note(f"The truth is noisy: with {truth.samples} samples its noise is {truth.noise:.2g} (relative "
