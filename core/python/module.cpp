@@ -342,7 +342,8 @@ void bind_renderer(py::module_& module) {
                                    return channels(self, frame.normal_depth, frame.size, 0, 3);
                                })
         .def_readonly("seconds", &Frame::seconds)
-        .def_readonly("pass_seconds", &Frame::pass_seconds);
+        .def_readonly("pass_seconds", &Frame::pass_seconds)
+        .def_readonly("prepare_seconds", &Frame::prepare_seconds);
 
     // The destructor waits for the GL thread, which needs no GIL.
     py::class_<Renderer>(module, "Renderer")

@@ -166,7 +166,12 @@ class Frame:
         """Wall time of the passes and readback, without uploads and table or environment work."""
     @property
     def pass_seconds(self) -> dict[str, float]:
-        """GPU time by pass, summed over samples: 'back_faces', 'front_faces', 'refraction', …"""
+        """GPU time by pass, summed over samples: 'back_faces', 'front_faces', 'refraction', …; and the wall time
+        in which pixels come back from the GPU, 'readback'. Empty where the path tracer made the frame."""
+    @property
+    def prepare_seconds(self) -> dict[str, float]:
+        """Wall time before the passes: 'meshes' (upload), 'tables' (loaded or built, upload), 'environment'
+        (upload, prefiltering); 0 where nothing was new. Empty where the path tracer made the frame."""
 
 class Renderer:
     """Owns the GL thread and what has been uploaded. Raises Error with one sentence where EGL or

@@ -360,3 +360,34 @@ def test_path_tracer_reads_roughness_from_a_texture():
     assert mixed[lower_left] == pytest.approx(sharp[lower_left], abs=1e-3)
     assert mixed[right] == pytest.approx(sharp[right], abs=1e-3)
     assert np.abs(rough[lower_left] - sharp[lower_left]).max() > 0.02
+
+
+def test_times_of_what_is_new():
+    """A user loses: knowing what a frame waits for; unchanged meshes, tables and maps cost nothing again."""
+    def scene(map_, ior=1.5):
+        material = verglas.Material("Glass")
+        material.ior = ior
+        result = scene_of(("Ball", ball, np.eye(4)), material=material)
+        result.environment_map = map_
+        return result
+
+    def new(picture):
+        seconds = own.render(picture, settings_of()).prepare_seconds
+        assert set(seconds) == {"meshes", "tables", "environment"} and min(seconds.values()) >= 0.0
+        return {name for name, value in seconds.items() if value > 0.0}
+
+    own, ball, first_map = verglas.Renderer(), sphere(), gradient_map()
+    assert new(scene(first_map)) == {"meshes", "tables", "environment"}
+    assert new(scene(first_map)) == set()
+    assert new(scene(first_map, ior=1.3)) == {"tables"}
+    assert new(scene(gradient_map(), ior=1.3)) == {"environment"}
+    ball = sphere(segments=32)
+    assert new(scene(first_map, ior=1.3)) == {"meshes", "environment"}
+
+
+def test_times_of_passes(renderer, glass_sphere):
+    """A developer loses: where a frame's time goes."""
+    frame = renderer.render(glass_sphere, settings_of(samples=2))
+    passes = {"back_faces", "front_faces", "refraction", "background", "data", "readback"}
+    assert set(frame.pass_seconds) == passes and min(frame.pass_seconds.values()) > 0.0
+    assert frame.pass_seconds["readback"] < frame.seconds
