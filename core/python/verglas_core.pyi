@@ -18,6 +18,16 @@ __version__: str
 class Error(RuntimeError):
     """A fault with one sentence for the user; it names the object, material, file or pass."""
 
+def interface_lobe(
+    ndf: str, roughness: float, eta: float, cos_theta_o: float, event: str
+) -> tuple[float, float, tuple[float, float, float]]:
+    """The spherical Gaussian that the renderer takes for what one rough interface sends to the viewer: its energy,
+    its concentration kappa and its unit axis, in the frame n = +Z, o = (sin theta_o, 0, cos theta_o).
+
+    ndf: as Material.ndf. roughness: 0 … 1. eta: n_behind / n_before, clamped to 1/3 … 3. cos_theta_o: 0 … 1.
+    event: 'REFRACT' (weighted with 1 - F), 'REFRACT_WITHOUT_FRESNEL' or 'REFLECT'. Beyond the critical angle a
+    refraction keeps what the rough interface lets through. Raises Error for values out of range."""
+
 class Mesh:
     """Triangles with normals. Immutable; give the same Mesh again and it isn't uploaded again.
 
