@@ -15,7 +15,10 @@ struct Frame {
     std::vector<glm::vec4>
         normal_depth;      // world space and along the camera's axis; 0 and 1e10 where nothing is
     double seconds = 0.0;  // passes and readback
-    std::map<std::string, double> pass_seconds;  // GPU time, summed over samples
+    // GPU time by pass, summed over samples; "readback" is wall time.
+    std::map<std::string, double> pass_seconds;
+    // Wall time of uploads and precomputation, 0 where nothing was new.
+    std::map<std::string, double> prepare_seconds;
 };
 
 }  // namespace verglas

@@ -24,6 +24,15 @@ double seconds_since(Clock::time_point begin) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+// Wall time of work on the GPU that returns whether there was any; else 0.
+template <typename Work>
+double seconds_of(Work work) {
+    const Clock::time_point begin = Clock::now();
+    if (!work()) return 0.0;
+    glFinish();
+    return seconds_since(begin);
+}
+
 // The pictures of one size.
 struct Targets {
     explicit Targets(glm::ivec2 frame_size)
@@ -43,14 +52,6 @@ struct Targets {
     gl::Framebuffer shaded_framebuffer;
     gl::Framebuffer sum_framebuffer;
 };
-
-std::vector<glm::vec4> read(const gl::Texture& texture, const Rect& rect) {
-    std::vector<glm::vec4> pixels(std::size_t(rect.size().x) * rect.size().y);
-    glGetTextureSubImage(texture.id(), 0, rect.begin.x, rect.begin.y, 0, rect.size().x, rect.size().y, 1,
-                         GL_RGBA, GL_FLOAT, static_cast<GLsizei>(pixels.size() * sizeof(glm::vec4)),
-                         pixels.data());
-    return pixels;
-}
 
 // Moves the picture so that the pixel's centre looks where `offset` pixels from it lies.
 glm::mat4 jittered(const glm::mat4& projection, glm::vec2 offset, glm::ivec2 size) {
@@ -93,6 +94,7 @@ class Renderer::Device {
 
   private:
     void draw_data(const ShadingInputs& inputs, const Rect& region);
+    std::vector<glm::vec4> read(const gl::Texture& texture, const Rect& rect);
 
     GeometryPass geometry_;
     RefractionPass refraction_;
@@ -106,13 +108,15 @@ class Renderer::Device {
     std::unique_ptr<Targets> targets_;
     std::vector<ViewGroup> groups_;
     std::vector<glm::vec4> normal_depth_;
+    std::map<std::string, double> prepare_seconds_;
     double seconds_ = 0.0;
+    double readback_seconds_ = 0.0;
 };
 
 void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
-    meshes_.update(scene);
-    materials_.update(scene.materials);
-    environment_.update(scene.environment_map);
+    prepare_seconds_["meshes"] = seconds_of([&] { return meshes_.update(scene); });
+    prepare_seconds_["tables"] = seconds_of([&] { return materials_.update(scene.materials); });
+    prepare_seconds_["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
     if (!targets_ || targets_->size != settings.size) {
         targets_.reset();
         targets_ = std::make_unique<Targets>(settings.size);
@@ -125,6 +129,7 @@ void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
     timers_.collect();
     glFinish();
     seconds_ = 0.0;
+    readback_seconds_ = 0.0;
 }
 
 void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings, int sample) {
@@ -176,6 +181,7 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     }
     if (sample == 0) draw_data(inputs, region);
     glFinish();
+    if (sample == 0) normal_depth_ = read(targets_->shaded, region);
     seconds_ += seconds_since(begin);
 }
 
@@ -184,8 +190,18 @@ void Renderer::Device::draw_data(const ShadingInputs& inputs, const Rect& region
     const gl::PassScope pass("data passes");
     const gl::Timers::Scope timer(timers_, "data");
     data_.draw(inputs, targets_->shaded_framebuffer, region);
-    normal_depth_ = read(targets_->shaded, region);
     pass.check();
+}
+
+// From the GPU, which has finished.
+std::vector<glm::vec4> Renderer::Device::read(const gl::Texture& texture, const Rect& rect) {
+    const Clock::time_point begin = Clock::now();
+    std::vector<glm::vec4> pixels(std::size_t(rect.size().x) * rect.size().y);
+    glGetTextureSubImage(texture.id(), 0, rect.begin.x, rect.begin.y, 0, rect.size().x, rect.size().y, 1,
+                         GL_RGBA, GL_FLOAT, static_cast<GLsizei>(pixels.size() * sizeof(glm::vec4)),
+                         pixels.data());
+    readback_seconds_ += seconds_since(begin);
+    return pixels;
 }
 
 Frame Renderer::Device::finish(const Settings& settings) {
@@ -200,6 +216,8 @@ Frame Renderer::Device::finish(const Settings& settings) {
     frame.normal_depth = std::move(normal_depth_);
     frame.seconds = seconds_ + seconds_since(begin);
     frame.pass_seconds = timers_.collect();
+    frame.pass_seconds["readback"] = readback_seconds_;
+    frame.prepare_seconds = prepare_seconds_;
     scope.check();
     return frame;
 }

@@ -45,19 +45,22 @@ struct MaterialData {
 
 }  // namespace
 
-void MeshCache::update(const Scene& scene) {
+bool MeshCache::update(const Scene& scene) {
     const gl::PassScope scope("upload of meshes");
+    bool changed = false;
     std::unordered_map<std::shared_ptr<const Mesh>, GpuMesh> kept;
     for (const Object& object : scene.objects) {
         if (object.mesh->indices().empty() || kept.count(object.mesh) > 0) continue;
         const auto known = meshes_.find(object.mesh);
         kept.emplace(object.mesh, known != meshes_.end() ? std::move(known->second) : upload(*object.mesh));
+        changed = changed || known == meshes_.end();
     }
     meshes_ = std::move(kept);
     scope.check();
+    return changed;
 }
 
-void MaterialCache::update(const std::vector<Material>& materials) {
+bool MaterialCache::update(const std::vector<Material>& materials) {
     const gl::PassScope scope("upload of materials");
     std::vector<SliceKey> keys;
     const auto layer_of = [&keys](Ndf ndf, float eta, LobeEvent event) {
@@ -79,10 +82,12 @@ void MaterialCache::update(const std::vector<Material>& materials) {
                         {material.absorption, 0.0F},
                         {entering, leaving, mirror, 0}});
     }
-    if (data.empty()) return;
+    if (data.empty()) return false;
     buffer_ = gl::make_buffer(data.size() * sizeof(MaterialData), data.data());
-    if (keys != slices_) upload_slices(keys);
+    const bool changed = keys != slices_;
+    if (changed) upload_slices(keys);
     scope.check();
+    return changed;
 }
 
 void MaterialCache::upload_slices(const std::vector<SliceKey>& keys) {
@@ -99,12 +104,14 @@ void MaterialCache::upload_slices(const std::vector<SliceKey>& keys) {
     slices_ = keys;
 }
 
-void EnvironmentCache::update(const std::shared_ptr<const EnvironmentMap>& map) {
+bool EnvironmentCache::update(const std::shared_ptr<const EnvironmentMap>& map) {
     // Without a map the light is the same from everywhere; its colour is the scene's factor.
     static const auto white =
         std::make_shared<const EnvironmentMap>("uniform", 1, 1, std::vector<glm::vec3>{glm::vec3(1.0F)});
     const auto& wanted = map ? map : white;
-    if (environment_.map != wanted) environment_ = filter_.filter(wanted);
+    if (environment_.map == wanted) return false;
+    environment_ = filter_.filter(wanted);
+    return true;
 }
 
 }  // namespace verglas

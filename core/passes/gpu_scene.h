@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a scene needs on the GPU; uploads only what has changed. Lives on the GL thread.
+// What a scene needs on the GPU; uploads only what has changed, and says whether it has. Lives on the GL
+// thread.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +26,7 @@ struct GpuMesh {
 // Meshes by identity; those that a scene no longer has are dropped.
 class MeshCache {
   public:
-    void update(const Scene& scene);
+    bool update(const Scene& scene);
     const GpuMesh& operator[](const std::shared_ptr<const Mesh>& mesh) const { return meshes_.at(mesh); }
 
   private:
@@ -36,7 +37,8 @@ class MeshCache {
 class MaterialCache {
   public:
     explicit MaterialCache(std::filesystem::path cache_folder) : cache_folder_(std::move(cache_folder)) {}
-    void update(const std::vector<Material>& materials);
+    // Whether the tables have changed.
+    bool update(const std::vector<Material>& materials);
     const gl::Buffer& buffer() const { return buffer_; }
     const gl::Texture& lobe_tables() const { return lobe_tables_; }
 
@@ -55,7 +57,7 @@ class MaterialCache {
 // The environment of the newest scene, prefiltered.
 class EnvironmentCache {
   public:
-    void update(const std::shared_ptr<const EnvironmentMap>& map);
+    bool update(const std::shared_ptr<const EnvironmentMap>& map);
     const FilteredEnvironment& operator*() const { return environment_; }
 
   private:

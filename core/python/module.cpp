@@ -10,9 +10,11 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "core/error.h"
+#include "core/material/interface_lobe.h"
 #include "core/renderer.h"
 #include "core/tracing/path_tracer.h"
 #include "core/tracing/ray_scene.h"
@@ -63,8 +65,9 @@ Rgb rgb_of(const glm::vec3& v) { return {v.r, v.g, v.b}; }
 
 // Names of an enumeration's values, in their order.
 constexpr std::array<const char*, 3> ndf_names = {"BECKMANN", "GGX", "BLINN_PHONG"};
+constexpr std::array<const char*, 3> lobe_event_names = {"REFRACT", "REFRACT_WITHOUT_FRESNEL", "REFLECT"};
 constexpr std::array<const char*, 3> extension_names = {"REPEAT", "EXTEND", "CLIP"};
-constexpr std::array<const char*, 3> transport_names = {"BUNDLE", "PAPER", "SINGLE"};
+constexpr std::array<const char*, 5> transport_names = {"BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP", "SPECULAR"};
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
 constexpr std::array<const char*, 2> path_mode_names = {"TWO_INTERFACE", "FULL"};
 constexpr std::array<const char*, 3> tir_names = {"NONE", "INCIDENT", "CLAMP"};
@@ -161,6 +164,20 @@ py::array_t<float> channels(const py::object& self, const std::vector<glm::vec4>
     if (count == 1) return py::array_t<float>({size.y, size.x}, {step * size.x, step}, data, self);
     return py::array_t<float>({size.y, size.x, count}, {step * size.x, step, py::ssize_t{sizeof(float)}},
                               data, self);
+}
+
+void bind_material_model(py::module_& module) {
+    module.def(
+        "interface_lobe",
+        [](const std::string& ndf, float roughness, float eta, float cos_theta_o, const std::string& event) {
+            const auto ndf_value = enum_of<Ndf>(ndf_names, ndf);
+            const auto event_value = enum_of<LobeEvent>(lobe_event_names, event);
+            const py::gil_scoped_release release;
+            const model::Lobe lobe = interface_lobe(ndf_value, roughness, eta, cos_theta_o, event_value);
+            const glm::vec3& p = lobe.direction;
+            return std::tuple(lobe.energy, model::kappa_from_spread(lobe.spread), std::array{p.x, p.y, p.z});
+        },
+        py::arg("ndf"), py::arg("roughness"), py::arg("eta"), py::arg("cos_theta_o"), py::arg("event"));
 }
 
 void bind_scene(py::module_& module) {
@@ -390,7 +407,8 @@ void bind_renderer(py::module_& module) {
                                    return channels(self, frame.normal_depth, frame.size, 0, 3);
                                })
         .def_readonly("seconds", &Frame::seconds)
-        .def_readonly("pass_seconds", &Frame::pass_seconds);
+        .def_readonly("pass_seconds", &Frame::pass_seconds)
+        .def_readonly("prepare_seconds", &Frame::prepare_seconds);
 
     // The destructor waits for the GL thread, which needs no GIL.
     py::class_<Renderer>(module, "Renderer")
@@ -412,6 +430,7 @@ PYBIND11_MODULE(verglas_core, module) {
     module.doc() = "Verglas' render core.";
     module.attr("__version__") = VERGLAS_VERSION;
     py::register_exception<verglas::Error>(module, "Error", PyExc_RuntimeError);
+    verglas::bind_material_model(module);
     verglas::bind_scene(module);
     verglas::bind_settings(module);
     verglas::bind_renderer(module);

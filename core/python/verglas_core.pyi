@@ -18,6 +18,16 @@ __version__: str
 class Error(RuntimeError):
     """A fault with one sentence for the user; it names the object, material, file or pass."""
 
+def interface_lobe(
+    ndf: str, roughness: float, eta: float, cos_theta_o: float, event: str
+) -> tuple[float, float, tuple[float, float, float]]:
+    """The spherical Gaussian that the renderer takes for what one rough interface sends to the viewer: its energy,
+    its concentration kappa and its unit axis, in the frame n = +Z, o = (sin theta_o, 0, cos theta_o).
+
+    ndf: as Material.ndf. roughness: 0 … 1. eta: n_behind / n_before, clamped to 1/3 … 3. cos_theta_o: 0 … 1.
+    event: 'REFRACT' (weighted with 1 - F), 'REFRACT_WITHOUT_FRESNEL' or 'REFLECT'. Beyond the critical angle a
+    refraction keeps what the rough interface lets through. Raises Error for values out of range."""
+
 class Mesh:
     """Triangles with normals. Immutable; give the same Mesh again and it isn't uploaded again.
 
@@ -141,7 +151,10 @@ class Settings:
     filter_width: float
     """Width of the Blackman-Harris pixel filter in pixels, 0.01 … 10. Default 1.5 (Cycles' default)."""
     transport: str
-    """'BUNDLE' (default), 'PAPER' or 'SINGLE' (method: three ways to cross the object)."""
+    """How light crosses the object. 'BUNDLE' (default): four rays, each with its own exit; 'PAPER': one lobe against
+    the exits' mean normal (de Rousiers et al. 2012); 'SINGLE': one ray along the lobe's axis. Two baselines with one
+    ray by Snell's law: 'DEPTH_MIP', as wide as the distance inside says (Eisemann and Decoret 2006); 'SPECULAR',
+    of smooth glass (Wyman 2005): no blur, and energies 1 - F."""
     intersection: str
     """'NEWTON' (default) or 'MARCH'."""
     tir: str
@@ -169,7 +182,12 @@ class Frame:
         """Wall time of the passes and readback, without uploads and table or environment work."""
     @property
     def pass_seconds(self) -> dict[str, float]:
-        """GPU time by pass, summed over samples: 'back_faces', 'front_faces', 'refraction', …"""
+        """GPU time by pass, summed over samples: 'back_faces', 'front_faces', 'refraction', …; and the wall time
+        in which pixels come back from the GPU, 'readback'. Empty where the path tracer made the frame."""
+    @property
+    def prepare_seconds(self) -> dict[str, float]:
+        """Wall time before the passes: 'meshes' (upload), 'tables' (loaded or built, upload), 'environment'
+        (upload, prefiltering); 0 where nothing was new. Empty where the path tracer made the frame."""
 
 class Renderer:
     """Owns the GL thread and what has been uploaded. Raises Error with one sentence where EGL or

@@ -97,7 +97,7 @@ def test_objects_behind_each_other_keep_their_own_backs(renderer):
     assert (pair.depth < 1e9).sum() > front.sum()
 
 
-@pytest.mark.parametrize("transport", ["BUNDLE", "PAPER", "SINGLE"])
+@pytest.mark.parametrize("transport", ["BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP"])
 @pytest.mark.parametrize("intersection", ["NEWTON", "MARCH"])
 def test_every_way_through_the_object(renderer, glass_sphere, transport, intersection):
     """A researcher loses: a baseline to compare with; all see about the same sphere."""
@@ -382,3 +382,34 @@ def test_rays_meet_what_was_added():
     assert scene.triangle_count == 24
     with pytest.raises(verglas.Error, match="as many origins as directions"):
         verglas.RayScene(scene).intersect([[0, 0, 0]], [[0, 1, 0], [0, 1, 0]])
+
+
+def test_times_of_what_is_new():
+    """A user loses: knowing what a frame waits for; unchanged meshes, tables and maps cost nothing again."""
+    def scene(map_, ior=1.5):
+        material = verglas.Material("Glass")
+        material.ior = ior
+        result = scene_of(("Ball", ball, np.eye(4)), material=material)
+        result.environment_map = map_
+        return result
+
+    def new(picture):
+        seconds = own.render(picture, settings_of()).prepare_seconds
+        assert set(seconds) == {"meshes", "tables", "environment"} and min(seconds.values()) >= 0.0
+        return {name for name, value in seconds.items() if value > 0.0}
+
+    own, ball, first_map = verglas.Renderer(), sphere(), gradient_map()
+    assert new(scene(first_map)) == {"meshes", "tables", "environment"}
+    assert new(scene(first_map)) == set()
+    assert new(scene(first_map, ior=1.3)) == {"tables"}
+    assert new(scene(gradient_map(), ior=1.3)) == {"environment"}
+    ball = sphere(segments=32)
+    assert new(scene(first_map, ior=1.3)) == {"meshes", "environment"}
+
+
+def test_times_of_passes(renderer, glass_sphere):
+    """A developer loses: where a frame's time goes."""
+    frame = renderer.render(glass_sphere, settings_of(samples=2))
+    passes = {"back_faces", "front_faces", "refraction", "background", "data", "readback"}
+    assert set(frame.pass_seconds) == passes and min(frame.pass_seconds.values()) > 0.0
+    assert frame.pass_seconds["readback"] < frame.seconds
