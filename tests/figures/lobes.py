@@ -17,7 +17,7 @@ INDEX = 1.51
 ANGLES = (0, 30, 60, 80, 88)
 """degrees between the viewer and the normal"""
 
-LEAST_ENERGY = 0.02
+LEAST_ENERGY = 0.05
 """Lobes that let less through aren't drawn: beyond the critical angle little is left."""
 
 CAPTION = (
@@ -78,8 +78,9 @@ def figure_3(studio: Studio) -> Figure:
             name = "1.51" if event == "entering" else "1/1.51"
             ax.set_title(rf"{event}, $\eta$ = {name}, exponent {exponent:g}")
     handles, _ = axes[0, 0].get_legend_handles_labels()
-    picture.legend(handles[:2], ["exact BTDF", "spherical Gaussian of the tables"], ncols=2,
-                   loc='outside lower center', frameon=False)
+    picture.legend(handles[:2], ["exact BTDF", "spherical Gaussian of the tables"], ncols=2, frameon=False,
+                   loc='lower center')
+    picture.get_layout_engine().set(rect=(0.02, 0.04, 0.98, 0.96))
     return Figure("3", "Lobes of one rough interface", CAPTION, picture, rows)
 
 
