@@ -97,7 +97,7 @@ class Studio:
         self.size = size
         self.quick = quick
         self.progress = progress
-        self.truth_samples = 4 if quick else 512
+        self.truth_samples = 4 if quick else 1024
         self.samples = 1 if quick else 16
         """of the real-time methods' pictures"""
         self._subjects: dict[Case, methods.Subject] = {}
