@@ -13,7 +13,8 @@ from verglas.compare.progress import Progress
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from figures import btdf, run, studio  # noqa: E402
+from figures import btdf, models, run  # noqa: E402
+from figures.studio import Case, Studio  # noqa: E402
 
 
 @pytest.mark.parametrize("eta", (1.51, 1.0 / 1.51))
@@ -23,7 +24,7 @@ def test_exact_lobe_has_the_moments_of_the_tables(eta, degrees):
     exponent, cosine = 24.0, math.cos(math.radians(degrees))
     hemisphere = btdf.Hemisphere.grid(300)
     exact = btdf.lobe(hemisphere.directions, cosine, eta, exponent)
-    roughness = studio.roughness_of(exponent)
+    roughness = models.roughness_of(exponent)
     energy, kappa, direction = core.interface_lobe('BLINN_PHONG', roughness, eta, cosine, 'REFRACT')
     assert hemisphere.integral(exact) == pytest.approx(energy, abs=0.01)
     if energy > 0.05:
@@ -66,9 +67,9 @@ def test_unknown_figure_is_refused(tmp_path, capsys):
 
 def test_sample_scenes_stand_in_for_missing_models(tmp_path, monkeypatch):
     """Without the Stanford models the command would fail, or credit pictures to the wrong people."""
-    monkeypatch.setattr(studio, "ASSETS", tmp_path)
-    for model in studio.MODELS.values():
-        assert "Stanford" not in studio.about(model)
-        subject = studio.Studio(32, True, Progress()).subject(studio.Case(model, 24.0, tir=False))
+    monkeypatch.setattr(models, "ASSETS", tmp_path)
+    for model in models.MODELS.values():
+        assert "Stanford" not in models.about(model)
+        subject = Studio(32, True, Progress()).subject(Case(model, 24.0, tir=False))
         assert 0.05 < subject.mask.mean() < 0.6
-    assert "bottle stands in" in studio.about(studio.MODELS["bunny"])
+    assert "bottle stands in" in models.about(models.MODELS["bunny"])

@@ -6,7 +6,8 @@ from verglas.compare import plots
 
 from . import layout
 from .figure import Figure
-from .studio import MODELS, Case, Studio, about
+from .models import MODELS, about
+from .studio import Case, Studio
 
 EXPONENT = 24.0
 

@@ -7,7 +7,8 @@ from verglas.compare.methods import Picture
 
 from . import layout
 from .figure import Figure, Row
-from .studio import MODELS, Case, Studio, about
+from .models import MODELS, about
+from .studio import Case, Studio
 
 EXPONENT = 24.0
 REPEATS = 9

@@ -3,7 +3,8 @@
 
 from . import layout
 from .figure import Figure
-from .studio import MODELS, Case, Studio, about, roughness_of
+from .models import MODELS, about, roughness_of
+from .studio import Case, Studio
 
 EXPONENTS = (20000.0, 90.0, 24.0, 6.4)
 

@@ -10,7 +10,8 @@ from verglas import verglas_core as core
 
 from . import btdf, layout
 from .figure import Figure, Row
-from .studio import Studio, roughness_of
+from .models import roughness_of
+from .studio import Studio
 
 EXPONENTS = (24.0, 6.4)
 INDEX = 1.51

@@ -58,5 +58,4 @@ def _table(rows: list[dict]) -> str:
 
 
 def _cell(value: str | bool | int | float | None) -> str:
-    return pages.cell(value if isinstance(value, str) else
-                      str(value) if isinstance(value, int) else pages.number(value, 4))
+    return pages.cell(pages.number(value, 4) if value is None or isinstance(value, float) else str(value))

@@ -3,7 +3,8 @@
 
 from . import layout
 from .figure import Figure
-from .studio import MODELS, Case, Studio, about
+from .models import MODELS, about
+from .studio import Case, Studio
 
 EXPONENT = 24.0
 
