@@ -58,6 +58,9 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
             ('BUNDLE', "Bundle", "Four rays, each refracted by the normal at its own exit; the most exact"),
             ('PAPER', "Paper", "One lobe against the exit region's mean normal (de Rousiers et al. 2012)"),
             ('SINGLE', "Single", "One ray along the lobe's axis"),
+            ('DEPTH_MIP', "Depth Mip",
+             "One sharp ray, blurred by the distance that it travels inside (Eisemann and Décoret 2006)"),
+            ('SPECULAR', "Specular", "Sharp refraction, as if the glass were smooth (Wyman 2005)"),
         ),
         default='BUNDLE',
     )

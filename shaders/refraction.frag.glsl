@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shades the front faces of one group of objects: the front lobe, its way through the object to the back faces,
-// and the environment behind and before. One of TRANSPORT_BUNDLE, TRANSPORT_PAPER, TRANSPORT_SINGLE and one of
-// INTERSECTION_NEWTON, INTERSECTION_MARCH is defined.
+// and the environment behind and before. One of TRANSPORT_BUNDLE, TRANSPORT_PAPER, TRANSPORT_SINGLE,
+// TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined.
 #include "environment.glsl"
 #include "screen_space.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/microfacet.glsl"
 #include "lib/lobe.glsl"
 #include "lib/bundle.glsl"
+#include "lib/specular.glsl"
+#include "lib/depth_mip.glsl"
 
 uniform sampler2DArray lobe_tables;
 
@@ -56,17 +58,50 @@ Exit find_exit(vec3 origin, vec3 d, Exit guess, int steps) {
 Exit find_exit(vec3 origin, vec3 d, Exit guess, int steps) { return find_exit_newton(origin, d, guess, steps, bound); }
 #endif
 
+bool has_fresnel(Material material) { return material.tables.z >= 0; }
+
+// The lobe that enters through a front face. Beyond the critical angle of an object thinner than its surroundings,
+// the front reflects all.
+Lobe entering_lobe(vec3 d, vec3 n, Material material) {
+    float eta = material.reflection_ior.w;
+#ifdef TRANSPORT_SPECULAR
+    return specular_refraction(eta, has_fresnel(material), d, n, TIR_NONE);
+#else
+    Lobe lobe = refracted_lobe(material.tables.x, eta, material.color_roughness.w, d, n, TIR_NONE);
+#ifdef TRANSPORT_DEPTH_MIP
+    lobe.direction = specular_direction(eta, d, n, TIR_NONE);
+#endif
+    return lobe;
+#endif
+}
+
 // The lobe of a ray that leaves the object through a back face.
 Lobe leaving_lobe(vec3 d, vec3 outward, float roughness, Material material) {
     float eta = 1.0 / material.reflection_ior.w;
-    return refracted_lobe(material.tables.y, eta, roughness, d, -outward, tir);
+#ifdef TRANSPORT_SPECULAR
+    return specular_refraction(eta, has_fresnel(material), d, -outward, tir);
+#else
+    Lobe lobe = refracted_lobe(material.tables.y, eta, roughness, d, -outward, tir);
+#ifdef TRANSPORT_DEPTH_MIP
+    lobe.direction = specular_direction(eta, d, -outward, tir);
+#endif
+    return lobe;
+#endif
+}
+
+Lobe mirrored_lobe(vec3 d, vec3 n, Material material) {
+#ifdef TRANSPORT_SPECULAR
+    return specular_reflection(material.reflection_ior.w, d, n);
+#else
+    return reflected_lobe(material.tables.z, material.reflection_ior.w, material.color_roughness.w, d, n);
+#endif
 }
 
 vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorption * distance_inside); }
 
 #ifdef TRANSPORT_BUNDLE
 // Four rays at the front lobe's root-mean angle, each with its own exit (method: 5.3).
-vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
+vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Moments moments = no_moments();
     vec3 weighted_color = vec3(0.0);
     for (int i = 0; i < BUNDLE_RAYS; ++i) {
@@ -75,7 +110,7 @@ vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
         Material behind = materials[decode_material(exit.face.w)];
         Lobe lobe = leaving_lobe(d, decode_normal(exit.face.xy), behind.color_roughness.w, behind);
         moments = add_lobe(moments, lobe, front.energy / float(BUNDLE_RAYS));
-        weighted_color += lobe.energy * behind.color_roughness.rgb * transmittance(absorption, exit.t);
+        weighted_color += lobe.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
     }
     Lobe lobe = lobe_from_moments(moments);
     return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming_radiance(lobe.direction, lobe.spread);
@@ -104,7 +139,7 @@ vec4 filtered_normals(vec2 low, vec2 high) {
 
 // Bounding box of the exits of four rays that hold 75 % of the lobe, the normals in it as a distribution, and the
 // back lobe for both roughnesses at once (de Rousiers et al. 2012, section 4.3).
-vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
+vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Lobe bounding = front;
     bounding.spread = clamp(-log(0.25) / kappa_from_spread(front.spread), LOBE_MIN_SPREAD, 1.0);  // 1 - cos theta_b
     vec2 center = pixel_of(origin + axis.t * front.direction);
@@ -127,18 +162,23 @@ vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
     float kappa = kappa_G * kappa_D / (kappa_G + kappa_D);
     float roughness = min(pow(2.0 / kappa, 0.25), 1.0);
     Lobe lobe = leaving_lobe(front.direction, outward, roughness, behind);
-    return front.energy * lobe.energy * behind.color_roughness.rgb * transmittance(absorption, axis.t) *
+    return front.energy * lobe.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) *
            incoming_radiance(lobe.direction, lobe.spread);
 }
 #endif
 
-#ifdef TRANSPORT_SINGLE
+#if defined(TRANSPORT_SINGLE) || defined(TRANSPORT_SPECULAR) || defined(TRANSPORT_DEPTH_MIP)
 // The ray along the front lobe's axis, and the back lobe alone.
-vec3 transport(Lobe front, vec3 origin, vec3 n, Exit axis, vec3 absorption) {
+vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Material behind = materials[decode_material(axis.face.w)];
     Lobe lobe = leaving_lobe(front.direction, decode_normal(axis.face.xy), behind.color_roughness.w, behind);
-    return front.energy * lobe.energy * behind.color_roughness.rgb * transmittance(absorption, axis.t) *
-           incoming_radiance(lobe.direction, lobe.spread);
+#ifdef TRANSPORT_DEPTH_MIP
+    Lobe straight_front = entering_lobe(-n, n, material);
+    Lobe straight_back = leaving_lobe(-n, -n, behind.color_roughness.w, behind);
+    lobe.spread = depth_mip_spread(straight_front.spread, straight_back.spread, axis.t, bound);
+#endif
+    vec3 color = behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t);
+    return front.energy * lobe.energy * color * incoming_radiance(lobe.direction, lobe.spread);
 }
 #endif
 
@@ -152,11 +192,8 @@ void main() {
     vec3 origin = position_at(gl_FragCoord.xy, face.z);
     vec3 d = view_direction(origin);
     vec3 n = toward_viewer(decode_normal(face.xy), d);
-    float roughness = material.color_roughness.w;
-    float ior = material.reflection_ior.w;
 
-    // Beyond the critical angle of an object thinner than its surroundings, the front reflects all.
-    Lobe front = refracted_lobe(material.tables.x, ior, roughness, d, n, TIR_NONE);
+    Lobe front = entering_lobe(d, n, material);
     vec4 behind = texelFetch(back_faces, ivec2(gl_FragCoord.xy), 0);
     vec3 sum;
     if (behind.w < 0.0) {
@@ -166,11 +203,11 @@ void main() {
         float thickness = max(behind.z - face.z, 0.0) / max(-front.direction.z, 0.1);
         Exit guess = Exit(min(thickness, bound), behind);
         Exit axis = find_exit(origin, front.direction, guess, AXIS_STEPS);
-        sum = transport(front, origin, n, axis, material.absorption.rgb);
+        sum = transport(material, front, origin, n, axis);
     }
     sum *= material.color_roughness.rgb;
-    if (reflection && material.tables.z >= 0) {
-        Lobe mirror = reflected_lobe(material.tables.z, ior, roughness, d, n);
+    if (reflection && has_fresnel(material)) {
+        Lobe mirror = mirrored_lobe(d, n, material);
         sum += mirror.energy * material.reflection_ior.rgb * incoming_radiance(mirror.direction, mirror.spread);
     }
     radiance = vec4(sum, 1.0);

@@ -69,7 +69,8 @@ const gl::Program& RefractionPass::program(const Settings& settings) {
     const std::pair key(settings.transport, settings.intersection);
     const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
-    constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE"};
+    constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE",
+                                          "TRANSPORT_DEPTH_MIP", "TRANSPORT_SPECULAR"};
     constexpr const char* intersections[] = {"INTERSECTION_NEWTON", "INTERSECTION_MARCH"};
     const std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
                                               intersections[static_cast<int>(settings.intersection)]};

@@ -64,7 +64,7 @@ Rgb rgb_of(const glm::vec3& v) { return {v.r, v.g, v.b}; }
 // Names of an enumeration's values, in their order.
 constexpr std::array<const char*, 3> ndf_names = {"BECKMANN", "GGX", "BLINN_PHONG"};
 constexpr std::array<const char*, 3> extension_names = {"REPEAT", "EXTEND", "CLIP"};
-constexpr std::array<const char*, 3> transport_names = {"BUNDLE", "PAPER", "SINGLE"};
+constexpr std::array<const char*, 5> transport_names = {"BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP", "SPECULAR"};
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
 constexpr std::array<const char*, 2> path_mode_names = {"TWO_INTERFACE", "FULL"};
 constexpr std::array<const char*, 3> tir_names = {"NONE", "INCIDENT", "CLAMP"};

@@ -141,7 +141,10 @@ class Settings:
     filter_width: float
     """Width of the Blackman-Harris pixel filter in pixels, 0.01 … 10. Default 1.5 (Cycles' default)."""
     transport: str
-    """'BUNDLE' (default), 'PAPER' or 'SINGLE' (method: three ways to cross the object)."""
+    """How light crosses the object. 'BUNDLE' (default): four rays, each with its own exit; 'PAPER': one lobe against
+    the exits' mean normal (de Rousiers et al. 2012); 'SINGLE': one ray along the lobe's axis. Two baselines with one
+    ray by Snell's law: 'DEPTH_MIP', as wide as the distance inside says (Eisemann and Decoret 2006); 'SPECULAR',
+    of smooth glass (Wyman 2005): no blur, and energies 1 - F."""
     intersection: str
     """'NEWTON' (default) or 'MARCH'."""
     tir: str

@@ -6,8 +6,9 @@
 
 namespace verglas {
 
-// How light crosses an object; shaders/refraction.frag.glsl has the three.
-enum class Transport { Bundle, Paper, Single };
+// How light crosses an object; shaders/refraction.frag.glsl has them. The last two are baselines
+// whose interfaces refract sharply.
+enum class Transport { Bundle, Paper, Single, DepthMip, Specular };
 enum class Intersection { Newton, March };
 enum class Tir : int { None, Incident, Clamp };  // as TIR_* of shaders/lib/constants.glsl
 

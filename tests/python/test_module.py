@@ -97,7 +97,7 @@ def test_objects_behind_each_other_keep_their_own_backs(renderer):
     assert (pair.depth < 1e9).sum() > front.sum()
 
 
-@pytest.mark.parametrize("transport", ["BUNDLE", "PAPER", "SINGLE"])
+@pytest.mark.parametrize("transport", ["BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP"])
 @pytest.mark.parametrize("intersection", ["NEWTON", "MARCH"])
 def test_every_way_through_the_object(renderer, glass_sphere, transport, intersection):
     """A researcher loses: a baseline to compare with; all see about the same sphere."""
