@@ -58,10 +58,13 @@ def _milliseconds(frame: Picture) -> Row:
 
 def _draw(table: list[tuple[str, ...]], rows: list[Row]) -> plt.Figure:
     """The table, and below it a stacked bar for each model and method."""
-    picture, (top, ax) = layout.plots(2, 1, height_ratios=(1.0, 2.6), figsize=(7.2, 6.0))
+    picture, (top, ax) = layout.plots(2, 1, height_ratios=(1.0, 2.6), figsize=(7.2, 6.4))
     top.axis('off')
-    cells = top.table(table, colLabels=COLUMNS, cellLoc='right', edges='horizontal', bbox=(0, 0, 1, 1))
+    cells = top.table(table, colLabels=COLUMNS, colLoc='right', cellLoc='right', edges='horizontal',
+                      bbox=(-0.22, 0.0, 1.22, 1.0))
     cells.auto_set_font_size(False)
+    for cell in cells.get_celld().values():
+        cell.set_linewidth(0.4)
 
     frames = [row for row in rows if row["method"] in METHODS]
     places = [i + 0.6 * (i // len(METHODS)) for i in range(len(frames))]
@@ -71,8 +74,10 @@ def _draw(table: list[tuple[str, ...]], rows: list[Row]) -> plt.Figure:
         ax.barh(places, times, left=done, color=color, label=name.replace("_", " "), height=0.8)
         done += times
     ax.set_yticks(places, [f"{row['model']}, {METHODS[row['method']].lower()}" for row in frames])
+    ax.margins(y=0.01)
     ax.invert_yaxis()
     ax.spines[['top', 'right']].set_visible(False)
     ax.set_xlabel("milliseconds")
-    ax.legend(frameon=False)
+    ax.legend(frameon=False, ncols=len(PASSES) + 1, loc='upper center', bbox_to_anchor=(0.39, -0.09),
+              columnspacing=1.2, handlelength=1.2)
     return picture
