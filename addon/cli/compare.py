@@ -8,7 +8,6 @@ in the report's folder.
 """
 
 import argparse
-import os
 import shlex
 import sys
 from pathlib import Path
@@ -22,7 +21,7 @@ if addon_utils.enable("verglas") is None:
 from verglas.compare import cases, runner  # noqa: E402
 from verglas.compare.comparison import Options  # noqa: E402
 from verglas.compare.methods import METHODS  # noqa: E402
-from verglas.compare.progress import Progress  # noqa: E402
+from verglas.compare.progress import Progress, silence_blender  # noqa: E402
 
 
 def names(text):
@@ -102,14 +101,6 @@ def command_line(arguments, case, folder):
         if values[name] != default[name]:
             words += [f"--{name.replace('_', '-')}", *([text(values[name])] if text else [])]
     return shlex.join([*words, "--out", str(folder)])
-
-
-def silence_blender(log):
-    """What Blender writes to the standard output goes to a file; returns a stream to write there still."""
-    stream = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    with open(log, "w", encoding="utf-8") as file:
-        os.dup2(file.fileno(), 1)
-    return stream
 
 
 def main():

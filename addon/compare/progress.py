@@ -1,13 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tells on a stream what long work is at."""
 
+import os
 import time
+from pathlib import Path
 from typing import TextIO
 
 SECONDS_BETWEEN_LINES = 10.0
 """Where the stream isn't a terminal, whose one line is written anew each time."""
 
 SECONDS_BEFORE_ESTIMATE = 1.0
+
+
+def silence_blender(log: Path) -> TextIO:
+    """From now on what Blender writes to the standard output goes to this file; returns a stream to write to
+    the standard output still."""
+    stream = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    with open(log, "w", encoding="utf-8") as file:
+        os.dup2(file.fileno(), 1)
+    return stream
 
 
 class Progress:

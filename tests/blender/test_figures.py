@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command that makes the papers' figures."""
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from verglas import verglas_core as core
+from verglas.compare.progress import Progress
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from figures import btdf, models, run  # noqa: E402
+from figures.studio import Case, Studio  # noqa: E402
+
+
+@pytest.mark.parametrize("eta", (1.51, 1.0 / 1.51))
+@pytest.mark.parametrize("degrees", (0, 30, 75))
+def test_exact_lobe_has_the_moments_of_the_tables(eta, degrees):
+    """Fig. 3 would blame the tables for an error of its own curves, or both would be wrong alike."""
+    exponent, cosine = 24.0, math.cos(math.radians(degrees))
+    hemisphere = btdf.Hemisphere.grid(300)
+    exact = btdf.lobe(hemisphere.directions, cosine, eta, exponent)
+    roughness = models.roughness_of(exponent)
+    energy, kappa, direction = core.interface_lobe('BLINN_PHONG', roughness, eta, cosine, 'REFRACT')
+    assert hemisphere.integral(exact) == pytest.approx(energy, abs=0.01)
+    if energy > 0.05:
+        mean = hemisphere.mean_vector(exact)
+        length = float(np.linalg.norm(mean))
+        assert mean @ direction / length > math.cos(math.radians(0.5))
+        assert btdf.kappa_from_mean_length(length) == pytest.approx(kappa, rel=0.05)
+
+
+def test_gaussian_has_its_energy():
+    """The blue curves of Fig. 3 would be too high or too low."""
+    hemisphere = btdf.Hemisphere.grid(300)
+    values = btdf.gaussian(hemisphere.directions, 0.7, 40.0, np.array([0.0, 0.0, -1.0]))
+    assert hemisphere.integral(values) == pytest.approx(0.7, rel=1e-3)
+
+
+def test_quick_run_writes_what_it_says(tmp_path):
+    """The command would end well and leave figures, numbers or the page out."""
+    assert run.main(["--out", str(tmp_path), "--only", "3,10", "--size", "64", "--quick"]) == 0
+    figures = json.loads((tmp_path / "figures.json").read_text())["figures"]
+    assert set(figures) == {"3", "10"}
+    page = (tmp_path / "index.html").read_text()
+    for record in figures.values():
+        assert (tmp_path / record["picture"]).stat().st_size > 10000
+        assert record["picture"] in page
+        assert record["command"] in page
+        values = [value for row in record["numbers"] for value in row.values() if isinstance(value, float)]
+        assert values and np.isfinite(values).all()
+    assert {row["method"] for row in figures["10"]["numbers"]} == {"bundle", "paper"}
+    assert "Fig. 13" in page  # among those that aren't made yet
+
+
+def test_unknown_figure_is_refused(tmp_path, capsys):
+    """A mistyped number would make nothing, or all, without a word."""
+    with pytest.raises(SystemExit):
+        run.main(["--out", str(tmp_path / "new"), "--only", "13"])
+    assert "no figure 13" in capsys.readouterr().err
+    assert not (tmp_path / "new").exists()
+
+
+def test_sample_scenes_stand_in_for_missing_models(tmp_path, monkeypatch):
+    """Without the Stanford models the command would fail, or credit pictures to the wrong people."""
+    monkeypatch.setattr(models, "ASSETS", tmp_path)
+    for model in models.MODELS.values():
+        assert "Stanford" not in models.about(model)
+        subject = Studio(32, True, Progress()).subject(Case(model, 24.0, tir=False))
+        assert 0.05 < subject.mask.mean() < 0.6
+    assert "bottle stands in" in models.about(models.MODELS["bunny"])
