@@ -2,6 +2,7 @@
 #include "core/renderer.h"
 
 #include <chrono>
+#include <optional>
 #include <utility>
 
 #include "core/error.h"
@@ -47,8 +48,9 @@ struct Targets {
     glm::ivec2 size;
     GeometryBuffer front;
     GeometryBuffer back;
-    gl::Texture shaded;  // the newest sample's objects; later the data passes
-    gl::Texture sum;     // of all samples
+    std::optional<InnerLayers> inner;  // where the transport needs them
+    gl::Texture shaded;                // the newest sample's objects; later the data passes
+    gl::Texture sum;                   // of all samples
     gl::Framebuffer shaded_framebuffer;
     gl::Framebuffer sum_framebuffer;
 };
@@ -122,6 +124,7 @@ void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
         targets_ = std::make_unique<Targets>(settings.size);
     }
     if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();
+    if (!targets_->inner && RefractionPass::needs_layers(settings)) targets_->inner.emplace(settings.size);
     groups_ = group_objects(scene, meshes_, settings.size, region_of(settings));
     glDisable(GL_SCISSOR_TEST);
     constexpr float black[4] = {};
@@ -142,15 +145,26 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
                     settings.size};
     const ShadingInputs inputs{view, scene, settings, *environment_, targets_->front};
     const bool with_pyramid = RefractionPass::needs_pyramid(settings);
-    geometry_.clear(targets_->front, Faces::Front, {glm::ivec2(0), settings.size});
+    const bool with_layers = RefractionPass::needs_layers(settings);
+    geometry_.clear(targets_->front, Faces::NearestFront, {glm::ivec2(0), settings.size});
     for (int number = 0; number < static_cast<int>(groups_.size()); ++number) {
         const ViewGroup& group = groups_[number];
         {
             const gl::PassScope pass("back faces");
             const gl::Timers::Scope timer(timers_, "back_faces");
             // The pyramid's coarse levels see all of the frame.
-            geometry_.clear(targets_->back, Faces::Back, with_pyramid ? Rect{{}, settings.size} : group.rect);
-            geometry_.draw(targets_->back, Faces::Back, view, group, number);
+            geometry_.clear(targets_->back, Faces::FarthestBack,
+                            with_pyramid ? Rect{{}, settings.size} : group.rect);
+            geometry_.draw(targets_->back, Faces::FarthestBack, view, group, number);
+            pass.check();
+        }
+        if (with_layers) {
+            const gl::PassScope pass("inner layers");
+            const gl::Timers::Scope timer(timers_, "inner_layers");
+            geometry_.clear(targets_->inner->nearest_back, Faces::NearestBack, group.rect);
+            geometry_.draw(targets_->inner->nearest_back, Faces::NearestBack, view, group, number);
+            geometry_.clear(targets_->inner->farthest_front, Faces::FarthestFront, group.rect);
+            geometry_.draw(targets_->inner->farthest_front, Faces::FarthestFront, view, group, number);
             pass.check();
         }
         if (with_pyramid) {
@@ -162,14 +176,15 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
         {
             const gl::PassScope pass("front faces");
             const gl::Timers::Scope timer(timers_, "front_faces");
-            geometry_.draw(targets_->front, Faces::Front, view, group, number);
+            geometry_.draw(targets_->front, Faces::NearestFront, view, group, number);
             pass.check();
         }
         {
             const gl::PassScope pass("refraction");
             const gl::Timers::Scope timer(timers_, "refraction");
-            refraction_.draw(inputs, targets_->shaded_framebuffer, targets_->back,
-                             with_pyramid ? pyramid_.get() : nullptr, materials_, group, number);
+            const BackGeometry back{targets_->back, with_layers ? &*targets_->inner : nullptr,
+                                    with_pyramid ? pyramid_.get() : nullptr};
+            refraction_.draw(inputs, targets_->shaded_framebuffer, back, materials_, group, number);
             pass.check();
         }
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shades the front faces of one group of objects: the front lobe, its way through the object to the back faces,
 // and the environment behind and before. One of TRANSPORT_BUNDLE, TRANSPORT_PAPER, TRANSPORT_SINGLE,
-// TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined.
+// TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined, and LAYERS
+// where exits are searched in four layers of the geometry.
 #include "environment.glsl"
 #include "screen_space.glsl"
 #include "lib/fresnel.glsl"
@@ -28,7 +29,6 @@ struct Material {
 };
 layout(std430, binding = 0) readonly buffer Materials { Material materials[]; };
 
-uniform int group;
 uniform int tir;
 uniform bool reflection;
 uniform float bound;  // no ray is longer inside an object
@@ -108,12 +108,15 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         vec3 d = bundle_ray(front, n, i);
         Exit exit = find_exit(origin, d, axis, RAY_STEPS);
         Material behind = materials[decode_material(exit.face.w)];
-        Lobe lobe = leaving_lobe(d, decode_normal(exit.face.xy), behind.color_roughness.w, behind);
-        moments = add_lobe(moments, lobe, front.energy / float(BUNDLE_RAYS));
+        vec3 outward = decode_normal(exit.face.xy);
+        Lobe lobe = leaving_lobe(d, outward, behind.color_roughness.w, behind);
+        moments = add_lobe(moments, lobe, outward, front.energy / float(BUNDLE_RAYS));
         weighted_color += lobe.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
     }
-    Lobe lobe = lobe_from_moments(moments);
-    return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming_radiance(lobe.direction, lobe.spread);
+    WideLobe lobe = wide_lobe_from_moments(moments);
+    vec3 incoming = vec3(0.0);
+    for (int i = 0; i < EXIT_TAPS; ++i) incoming += incoming_radiance(tap_direction(lobe, i), lobe.spread);
+    return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming / float(EXIT_TAPS);
 }
 #endif
 
@@ -194,7 +197,7 @@ void main() {
     vec3 n = toward_viewer(decode_normal(face.xy), d);
 
     Lobe front = entering_lobe(d, n, material);
-    vec4 behind = texelFetch(back_faces, ivec2(gl_FragCoord.xy), 0);
+    vec4 behind = first_back_face(ivec2(gl_FragCoord.xy));
     vec3 sum;
     if (behind.w < 0.0) {
         // An open surface without a back: light never leaves the glass again.

@@ -11,6 +11,9 @@ void scissor(const Rect& rect) {
     glScissor(rect.begin.x, rect.begin.y, rect.size().x, rect.size().y);
 }
 
+bool is_front(Faces faces) { return faces == Faces::NearestFront || faces == Faces::FarthestFront; }
+bool is_nearest(Faces faces) { return faces == Faces::NearestFront || faces == Faces::NearestBack; }
+
 }  // namespace
 
 GeometryBuffer::GeometryBuffer(glm::ivec2 size)
@@ -23,7 +26,7 @@ GeometryPass::GeometryPass() : program_("geometry.vert.glsl", "geometry.frag.gls
 void GeometryPass::clear(const GeometryBuffer& buffer, Faces faces, const Rect& rect) const {
     scissor(rect);
     const glm::vec4 nothing(0.0F, 0.0F, 0.0F, -1.0F);
-    const float depth = faces == Faces::Front ? 1.0F : 0.0F;
+    const float depth = is_nearest(faces) ? 1.0F : 0.0F;
     glDepthMask(GL_TRUE);
     glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_COLOR, 0, glm::value_ptr(nothing));
     glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_DEPTH, 0, &depth);
@@ -37,12 +40,12 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
     glDisable(GL_BLEND);
     glEnable(GL_DEPTH_TEST);
     glDepthMask(GL_TRUE);
-    glDepthFunc(faces == Faces::Front ? GL_LESS : GL_GREATER);
+    glDepthFunc(is_nearest(faces) ? GL_LESS : GL_GREATER);
     glEnable(GL_CULL_FACE);
-    glCullFace(faces == Faces::Front ? GL_BACK : GL_FRONT);
+    glCullFace(is_front(faces) ? GL_BACK : GL_FRONT);
     program_.use();
     program_.set("projection", view.projection);
-    program_.set("group", faces == Faces::Front ? number : 0);
+    program_.set("group", faces == Faces::NearestFront ? number : 0);
     for (const ViewObject& item : group.objects) {
         // A mirrored object turns its triangles inside out.
         const glm::mat3 linear(item.model_to_view);

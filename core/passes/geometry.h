@@ -7,8 +7,7 @@
 
 namespace verglas {
 
-// A geometry buffer: normal, depth and index of the nearest front or farthest back faces
-// (shaders/geometry_buffer.glsl).
+// A geometry buffer: normal, depth and index of one layer of faces (shaders/geometry_buffer.glsl).
 class GeometryBuffer {
   public:
     explicit GeometryBuffer(glm::ivec2 size);
@@ -21,10 +20,10 @@ class GeometryBuffer {
     gl::Framebuffer framebuffer_;
 };
 
-enum class Faces { Front, Back };
+enum class Faces { NearestFront, FarthestFront, NearestBack, FarthestBack };
 
-// Rasterises objects into geometry buffers: front faces, the nearest, or back faces, the farthest (de
-// Rousiers et al. 2012, first pass).
+// Rasterises objects into geometry buffers (de Rousiers et al. 2012, first pass, has nearest front and
+// farthest back faces).
 class GeometryPass {
   public:
     GeometryPass();

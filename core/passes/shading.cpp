@@ -18,7 +18,9 @@ enum Unit : GLuint {
     tables_unit,
     normals_unit,
     depths_unit,
-    shaded_unit
+    shaded_unit,
+    nearest_back_unit,
+    farthest_front_unit
 };
 
 void begin(const gl::Framebuffer& target, const View& view, const Rect& rect) {
@@ -65,6 +67,11 @@ bool RefractionPass::needs_pyramid(const Settings& settings) {
     return settings.transport == Transport::Paper || settings.intersection == Intersection::March;
 }
 
+// The baselines are as they were published, with the farthest back faces alone.
+bool RefractionPass::needs_layers(const Settings& settings) {
+    return settings.transport == Transport::Bundle && settings.intersection == Intersection::Newton;
+}
+
 const gl::Program& RefractionPass::program(const Settings& settings) {
     const std::pair key(settings.transport, settings.intersection);
     const auto found = programs_.find(key);
@@ -72,24 +79,29 @@ const gl::Program& RefractionPass::program(const Settings& settings) {
     constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE",
                                           "TRANSPORT_DEPTH_MIP", "TRANSPORT_SPECULAR"};
     constexpr const char* intersections[] = {"INTERSECTION_NEWTON", "INTERSECTION_MARCH"};
-    const std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
-                                              intersections[static_cast<int>(settings.intersection)]};
+    std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
+                                        intersections[static_cast<int>(settings.intersection)]};
+    if (needs_layers(settings)) defines.emplace_back("LAYERS");
     return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", defines))
         .first->second;
 }
 
 void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
-                          const GeometryBuffer& back, const PyramidPass* pyramid,
-                          const MaterialCache& materials, const ViewGroup& group, int number) {
+                          const BackGeometry& back, const MaterialCache& materials, const ViewGroup& group,
+                          int number) {
     const gl::Program& shader = program(inputs.settings);
     shader.use();
     set_environment(shader, inputs);
     set_screen_space(shader, inputs);
-    set_texture(shader, "back_faces", back_unit, back.texels());
+    set_texture(shader, "back_faces", back_unit, back.farthest.texels());
     set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
-    if (pyramid != nullptr) {
-        set_texture(shader, "pyramid_normals", normals_unit, pyramid->normals());
-        set_texture(shader, "pyramid_depths", depths_unit, pyramid->depths());
+    if (back.inner != nullptr) {
+        set_texture(shader, "nearest_back_faces", nearest_back_unit, back.inner->nearest_back.texels());
+        set_texture(shader, "farthest_front_faces", farthest_front_unit, back.inner->farthest_front.texels());
+    }
+    if (back.pyramid != nullptr) {
+        set_texture(shader, "pyramid_normals", normals_unit, back.pyramid->normals());
+        set_texture(shader, "pyramid_depths", depths_unit, back.pyramid->depths());
     }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());
     shader.set("group", number);

@@ -23,6 +23,21 @@ struct ShadingInputs {
     const GeometryBuffer& front;
 };
 
+// Layers between the nearest front and the farthest back faces, where an object lies before itself.
+struct InnerLayers {
+    explicit InnerLayers(glm::ivec2 size) : nearest_back(size), farthest_front(size) {}
+
+    GeometryBuffer nearest_back;
+    GeometryBuffer farthest_front;
+};
+
+// What lies behind the front faces of a group.
+struct BackGeometry {
+    const GeometryBuffer& farthest;
+    const InnerLayers* inner;    // may be null where it isn't needed
+    const PyramidPass* pyramid;  // likewise
+};
+
 // Shades the front faces of a group from its front and back faces (de Rousiers et al. 2012, third pass), once
 // for each covered pixel.
 class RefractionPass {
@@ -30,9 +45,10 @@ class RefractionPass {
     RefractionPass() : empty_(gl::make_vertex_array()) {}
     // Whether the settings need the pyramid over the back faces.
     static bool needs_pyramid(const Settings& settings);
-    // pyramid may be null where it isn't needed.
-    void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const GeometryBuffer& back,
-              const PyramidPass* pyramid, const MaterialCache& materials, const ViewGroup& group, int number);
+    // Whether they need the inner layers.
+    static bool needs_layers(const Settings& settings);
+    void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const BackGeometry& back,
+              const MaterialCache& materials, const ViewGroup& group, int number);
 
   private:
     const gl::Program& program(const Settings& settings);

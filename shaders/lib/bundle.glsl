@@ -4,11 +4,22 @@
 
 const int BUNDLE_RAYS = 4;
 
-// Energy and mean vector (times energy), summed over rays.
+// Summed over rays: energy, mean vector times energy, and the part of the second moments that differs with the
+// azimuth about the mean.
 struct Moments {
     float energy;
     vec3 vector;
+    mat3 second;
 };
+
+// A lobe that is wider along one axis: EXIT_TAPS isotropic lobes of equal energy, side by side.
+struct WideLobe {
+    vec3 direction;
+    float spread;  // of each
+    vec3 axis;     // from one to the next
+};
+
+const int EXIT_TAPS = 3;
 
 // Ray i of the bundle of a lobe: a unit direction at cos = 1 - spread about the axis. n: the front normal,
 // which fixes the azimuth; rays that would leave through the front interface are bent into its plane.
@@ -33,14 +44,27 @@ SHARED Moments no_moments() {
     Moments moments;
     moments.energy = 0.0f;
     moments.vector = vec3(0.0f);
+    moments.second = mat3(0.0f);
     return moments;
 }
 
-// Adds a lobe with a weight.
-SHARED Moments add_lobe(Moments moments, Lobe lobe, float weight) {
+// A facet that tilts by a small angle turns the refracted ray 1 / cos theta_t times as far in the plane of incidence as
+// across it (Snell's law, differentiated), so of a narrow lobe's variances, whose mean is its spread, one is
+// 1 / cos^2 theta_t of the other. Wide lobes are cut off at the horizon and are rounder; how fast they become so was
+// fitted to path-traced spheres and lenses of roughness 0.25 and 0.55 under three environment maps.
+const float HORIZON_ROUNDING = 80.0f;
+
+// Adds a lobe that leaves through an interface with unit normal n, with a weight.
+SHARED Moments add_lobe(Moments moments, Lobe lobe, vec3 n, float weight) {
     float energy = weight * lobe.energy;
+    vec3 vector = energy * (1.0f - lobe.spread) * lobe.direction;
     moments.energy += energy;
-    moments.vector += energy * (1.0f - lobe.spread) * lobe.direction;
+    moments.vector += vector;
+    moments.second += outerProduct(vector, lobe.direction);
+    float cos_theta_t = dot(n, lobe.direction);
+    vec3 in_plane = n - cos_theta_t * lobe.direction;  // its length is sin theta_t
+    float cos2 = cos_theta_t * cos_theta_t + HORIZON_ROUNDING * lobe.spread;
+    moments.second += energy * 2.0f * lobe.spread / (1.0f + cos2) * outerProduct(in_plane, in_plane);
     return moments;
 }
 
@@ -52,4 +76,32 @@ SHARED Lobe lobe_from_moments(Moments moments) {
     lobe.spread = clamp(1.0f - vector_length / max(moments.energy, 1e-12f), LOBE_MIN_SPREAD, 1.0f);
     lobe.direction = vector_length > 0.0f ? moments.vector / vector_length : vec3(0.0f, 0.0f, 1.0f);
     return lobe;
+}
+
+// The same, with the axis along which these moments are widest.
+SHARED WideLobe wide_lobe_from_moments(Moments moments) {
+    Lobe mean = lobe_from_moments(moments);
+    vec3 side = normalize(
+        cross(mean.direction, abs(mean.direction.z) < 0.9f ? vec3(0.0f, 0.0f, 1.0f) : vec3(1.0f, 0.0f, 0.0f)));
+    vec3 up = cross(side, mean.direction);
+    // Eigenvalues of the 2 x 2 covariance across the direction: their difference, and the greater one's axis.
+    vec3 along_side = moments.second * side / max(moments.energy, 1e-12f);
+    vec3 along_up = moments.second * up / max(moments.energy, 1e-12f);
+    float half_difference = 0.5f * (dot(side, along_side) - dot(up, along_up));
+    float covariance = dot(up, along_side);
+    float excess = 2.0f * sqrt(half_difference * half_difference + covariance * covariance);
+    // Lobes in a row vary by (EXIT_TAPS^2 - 1) / 12 of their squared distance, which two standard deviations bound.
+    const float row_variance = float(EXIT_TAPS * EXIT_TAPS - 1) / 12.0f;
+    excess = min(excess, mean.spread * 4.0f * row_variance / (1.0f + 2.0f * row_variance));
+    float azimuth = excess > 0.0f ? 0.5f * atan(covariance, half_difference) : 0.0f;
+    WideLobe lobe;
+    lobe.direction = mean.direction;
+    lobe.spread = max(mean.spread - 0.5f * excess, LOBE_MIN_SPREAD);
+    lobe.axis = sqrt(excess / row_variance) * (cos(azimuth) * side + sin(azimuth) * up);
+    return lobe;
+}
+
+// Direction of lobe i of a wide lobe.
+SHARED vec3 tap_direction(WideLobe lobe, int i) {
+    return normalize(lobe.direction + (float(i) - 0.5f * float(EXIT_TAPS - 1)) * lobe.axis);
 }

@@ -9,12 +9,14 @@
 
 #include "core/material/lobe_model.h"
 #include "core/material/lobe_tables.h"
+#include "core/material/microfacet.h"
 #include "tests/core/reference_lobes.h"
 
 namespace verglas {
 namespace {
 
 using glm::dvec3;
+using glm::vec2;
 using glm::vec3;
 using reference::fresnel;
 using reference::masking;
@@ -71,7 +73,7 @@ ExitLobe monte_carlo(double exponent, double b, int paths) {
     return {energy / paths, model::kappa_from_spread(static_cast<float>(1.0 - R)), glm::normalize(vector)};
 }
 
-ExitLobe bundle(double exponent, double b) {
+model::Moments bundle_moments(double exponent, double b) {
     static const auto tables = LobeTables::build(Ndf::BlinnPhong);
     const auto eta = static_cast<float>(ior);
     model::LobeModel lobes(
@@ -84,9 +86,13 @@ ExitLobe bundle(double exponent, double b) {
         const vec3 d = model::bundle_ray(front, p, i);
         const vec3 outward(exit_point(dvec3(p), dvec3(d)));
         const model::Lobe back = lobes.refracted_lobe(1, 1.0F / eta, roughness, d, -outward, model::TIR_NONE);
-        moments = model::add_lobe(moments, back, front.energy / float(model::BUNDLE_RAYS));
+        moments = model::add_lobe(moments, back, outward, front.energy / float(model::BUNDLE_RAYS));
     }
-    const model::Lobe exit = model::lobe_from_moments(moments);
+    return moments;
+}
+
+ExitLobe bundle(double exponent, double b) {
+    const model::Lobe exit = model::lobe_from_moments(bundle_moments(exponent, b));
     return {exit.energy, model::kappa_from_spread(exit.spread), dvec3(exit.direction)};
 }
 
@@ -129,6 +135,60 @@ TEST(Bundle, SphereMeetsMonteCarlo) {
         EXPECT_NEAR(lobe.energy, truth.energy, 0.01) << "n_D " << row.exponent << " b " << row.b;
         EXPECT_NEAR(lobe.kappa / exact_kappa(row), 1.0, 0.02) << "n_D " << row.exponent << " b " << row.b;
         EXPECT_LE(degrees, 0.5) << "n_D " << row.exponent << " b " << row.b;
+    }
+}
+
+// Variances of the directions that paths leave a sphere in, in the plane of the sphere's centre and across
+// it.
+glm::dvec2 traced_variances(double exponent, double b) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+    const auto alpha = static_cast<float>(std::sqrt(2.0 / (exponent + 2.0)));
+    const RoughInterface entering(Ndf::BlinnPhong, alpha, float(ior), true, Reflected::None);
+    const RoughInterface leaving(Ndf::BlinnPhong, alpha, float(1.0 / ior), true, Reflected::None);
+    const auto cross = [&](const RoughInterface& surface, const vec3& n, const vec3& d) {
+        const vec3 side = glm::normalize(glm::cross(vec3(1, 0, 0), n));
+        const glm::mat3 frame(side, glm::cross(n, side), n);
+        const auto sample =
+            surface.sample(glm::transpose(frame) * -d, vec2(unit(random), unit(random)), unit(random));
+        return sample ? std::pair(frame * sample->direction, sample->weight) : std::pair(d, 0.0F);
+    };
+    const vec3 p(entry_point(b));
+    dvec3 vector(0.0);
+    glm::dmat3 second(0.0);
+    double energy = 0.0;
+    for (int i = 0; i < 200000; ++i) {
+        const auto [inside, first] = cross(entering, p, vec3(0, 0, -1));
+        if (first == 0.0F) continue;
+        const vec3 q(exit_point(dvec3(p), dvec3(inside)));
+        const auto [d, then] = cross(leaving, -q, inside);
+        const double weight = double(first) * double(then);
+        energy += weight;
+        vector += weight * dvec3(d);
+        second += weight * glm::outerProduct(dvec3(d), dvec3(d));
+    }
+    const dvec3 mean = glm::normalize(vector);
+    const dvec3 in_plane = glm::cross(dvec3(1, 0, 0), mean);
+    return {glm::dot(in_plane, second * in_plane) / energy, second[0][0] / energy};
+}
+
+// A user loses: light that a rim or a flat view spreads one way only, which a round lobe blurs the other way,
+// too.
+TEST(Bundle, WideLobeIsAsLongAndWideAsTheTruth) {
+    for (const double exponent : {90.0, 1000.0}) {
+        for (const double b : {0.0, 0.6, 0.85}) {
+            const glm::dvec2 truth = traced_variances(exponent, b);
+            const model::WideLobe lobe = model::wide_lobe_from_moments(bundle_moments(exponent, b));
+            const double steps = (model::EXIT_TAPS * model::EXIT_TAPS - 1) / 12.0;
+            const double in_plane =
+                lobe.spread + steps * lobe.axis.y * lobe.axis.y + steps * lobe.axis.z * lobe.axis.z;
+            const double across = lobe.spread + steps * lobe.axis.x * lobe.axis.x;
+            std::cout << "exponent " << exponent << ", b " << b << ": variances / truth "
+                      << in_plane / truth.x << ", " << across / truth.y << "; long / wide of the truth "
+                      << truth.x / truth.y << "\n";
+            EXPECT_NEAR(in_plane / truth.x, 1.0, 0.2) << exponent << " " << b;
+            EXPECT_NEAR(across / truth.y, 1.0, 0.3) << exponent << " " << b;
+        }
     }
 }
 
