@@ -151,7 +151,7 @@ class Subject:
         width = self.scene.verglas.filter_width
         with (self._engine('CYCLES'),
               changed(self.scene.cycles, **CYCLES, samples=samples, seed=seed, filter_width=width),
-              tempfile.TemporaryDirectory() as folder):
+              self._world_without_light_samples(), tempfile.TemporaryDirectory() as folder):
             start = time.perf_counter()
             try:
                 bpy.ops.render.render(scene=self.scene.name)
@@ -161,6 +161,14 @@ class Subject:
             path = Path(folder) / "cycles.exr"
             bpy.data.images["Render Result"].save_render(str(path), scene=self.scene)
             return Picture(images.read_exr(path), seconds, samples=samples)
+
+    def _world_without_light_samples(self) -> contextlib.AbstractContextManager:
+        """Of Blender 3.4, Cycles is up to 8 % too bright behind rough GGX glass when it draws directions
+        from the world's map, as it does by default; without that it is only noisier."""
+        world = self.scene.world
+        if world is None or not hasattr(world, "cycles"):
+            return contextlib.nullcontext()
+        return changed(world.cycles, sampling_method='NONE')
 
     def eevee(self) -> Picture:
         """By EEVEE with refraction and the file's other settings, in another Blender, as it needs a
