@@ -28,12 +28,13 @@ def sphere(name="Sphere", segments=64):
     return verglas.Mesh(name, points, points, np.concatenate([upper, lower]))
 
 
-def flat_faces(name, corners, uvs=None):
-    """Quads with normals of their own. corners: (F, 4, 3), counter-clockwise seen from outside."""
+def flat_faces(name, corners, uvs=None, slots=None):
+    """Quads with normals of their own. corners: (F, 4, 3), counter-clockwise from outside. slots: of each
+    triangle, two a quad."""
     corners = np.asarray(corners, float)
     normals = np.repeat(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), 4, axis=0)
     quads = 4 * np.arange(len(corners))[:, None, None] + [[0, 1, 2], [0, 2, 3]]
-    return verglas.Mesh(name, corners.reshape(-1, 3), normals, quads.reshape(-1, 3), uvs=uvs)
+    return verglas.Mesh(name, corners.reshape(-1, 3), normals, quads.reshape(-1, 3), slots, uvs)
 
 
 def cube(name="Cube"):
