@@ -22,15 +22,15 @@ KINDS = {
     "outline": "on the outline, where pixels mix the glass with the world beside it",
     "open": "where the refracted ray meets a front before any back, or nothing, as the mesh intersects "
             "itself or isn't closed (the method takes all between front and back for glass)",
-    "hidden": "where the refracted ray leaves through a back that the camera can't see, behind another part "
-              "of the object or outside of the picture (the method knows one back a pixel)",
+    "hidden": "where the refracted ray leaves through a back between others on the line of sight, or outside "
+              "of the picture (the method knows the nearest and the farthest back of a pixel)",
     "again": "where the refracted ray meets glass again after leaving (the method ends there)",
     "total": "where the refracted ray meets the back beyond the critical angle (the method has no inner "
              "reflections)",
     "divided": "where some of the four rays around the refracted one have no exit that lets light out or "
                "that the camera sees (the method has four rays for the whole lobe)",
-    "grazing": "seen at more than 70 degrees from the normal, where the refracted lobe isn't round (the "
-               "method has round lobes)",
+    "grazing": "seen at more than 70 degrees from the normal, where the horizon cuts the refracted lobe off "
+               "(the method's are whole)",
     "plain": "where the rays meet nothing that breaks an assumption",
 }
 """Kinds of pixels, each without those before it, as the end of a phrase 'the pixels …'."""
@@ -186,13 +186,18 @@ class _Rays:
                 "again": found & ~total & np.isfinite(outside["t"])}
 
     def _is_hidden(self, point: np.ndarray) -> np.ndarray:
-        """(N,) bool: whether the object has a farther surface on the same line of sight, or the point lies
-        outside of the picture."""
+        """(N,) bool: whether the object has farther and nearer backs on the same line of sight, or the point
+        lies outside of the picture."""
         clip = np.concatenate([point, np.ones((len(point), 1))], axis=-1) @ self._clip_from_world.T
         ndc = clip[:, :2] / clip[:, 3:]
         line = _unit(self._world(ndc, 1.0) - self._world(ndc, -1.0))
         behind = self._surfaces.intersect(point + 10.0 * self._step * line, line)
-        return (behind["object"] == self._object) | (np.abs(ndc) > 1.0).any(axis=-1)
+        # Toward the camera: the front of the glass that ends here, and beyond it another back if there is one
+        front = self._surfaces.intersect(point - 10.0 * self._step * line, -line)
+        way = 20.0 * self._step + np.where(np.isfinite(front["t"]), front["t"], 0.0)
+        before = self._surfaces.intersect(point - way[:, None] * line, -line)
+        is_between = (behind["object"] == self._object) & (before["object"] == self._object)
+        return is_between | (np.abs(ndc) > 1.0).any(axis=-1)
 
 
 def _four_rays(axis: np.ndarray, cosine: np.ndarray) -> list[np.ndarray]:
