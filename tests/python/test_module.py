@@ -410,6 +410,6 @@ def test_times_of_what_is_new():
 def test_times_of_passes(renderer, glass_sphere):
     """A developer loses: where a frame's time goes."""
     frame = renderer.render(glass_sphere, settings_of(samples=2))
-    passes = {"back_faces", "front_faces", "refraction", "background", "data", "readback"}
+    passes = {"back_faces", "inner_layers", "front_faces", "refraction", "background", "data", "readback"}
     assert set(frame.pass_seconds) == passes and min(frame.pass_seconds.values()) > 0.0
     assert frame.pass_seconds["readback"] < frame.seconds

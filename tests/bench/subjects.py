@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is rendered: the models of the figures, the sample scenes, and balls of any number of triangles."""
+
+import dataclasses
+
+import numpy as np
+from figures.models import MODELS, Model, new_scene
+from verglas import verglas_core as core
+from verglas.compare.methods import Conditions, Subject
+from verglas.compare.progress import Progress
+
+from .plan import Size
+
+EXPONENT = 24.0
+"""of Blinn-Phong, for all models alike"""
+
+WORLD = MODELS["monkey"].world
+"""the environment map of all of them"""
+
+SAMPLE_LENS = 50.0
+"""of the sample scenes' cameras, in mm"""
+
+
+def models() -> list[Model]:
+    """The sample scenes, and the models of the paper's Fig. 14 that are there."""
+    names = (model.stand_in for model in MODELS.values() if model.stand_in)
+    stand_ins = (Model(name, WORLD, SAMPLE_LENS) for name in names)
+    theirs = (model for model in MODELS.values() if model.title == model.name)
+    return [dataclasses.replace(model, world=WORLD) for model in (*theirs, *stand_ins)]
+
+
+def subject(model: Model, size: Size, progress: Progress) -> Subject:
+    """The model in glass, for one sample of all light."""
+    return Subject(new_scene(model, EXPONENT), Conditions(*size, samples=1), progress.say)
+
+
+def ball(squares: int) -> core.Mesh:
+    """A unit sphere of 12 squares^2 triangles of about equal size: a cube whose faces are grids, spread to
+    equal angles and drawn to the sphere."""
+    angles = np.linspace(-np.pi / 4, np.pi / 4, squares + 1)
+    u, v = np.meshgrid(np.tan(angles), np.tan(angles))
+    points = []
+    for axis in range(3):
+        for side in (1.0, -1.0):
+            face = np.empty((*u.shape, 3))
+            # Turned so that u, v and the outward axis are right-handed
+            face[..., axis], face[..., (axis + 1) % 3], face[..., (axis + 2) % 3] = side, side * u, v
+            points.append(face.reshape(-1, 3))
+    points = np.concatenate(points)
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    first = np.arange(6 * u.size).reshape(6, *u.shape)[:, :-1, :-1].ravel()
+    up, across = squares + 1, 1
+    triangles = np.concatenate([np.stack([first, first + across, first + across + up], 1),
+                                np.stack([first, first + across + up, first + up], 1)])
+    return core.Mesh(f"Ball of {len(triangles)} triangles", points, points, triangles)
+
+
+def ball_scene(squares: int, view: core.Scene) -> core.Scene:
+    """The ball in place of another scene's objects, with its camera and world."""
+    scene = core.Scene()
+    scene.camera = view.camera
+    scene.environment_map = view.environment_map
+    scene.environment_color = view.environment_color
+    scene.environment_rotation = view.environment_rotation
+    scene.add_object("Ball", ball(squares), np.eye(4), [scene.add_material(core.Material("Glass"))])
+    return scene

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command that measures what Verglas costs."""
+
+import dataclasses
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from verglas import verglas_core as core
+from verglas.compare.methods import Subject
+from verglas.compare.progress import Progress
+from verglas.faults import Fault
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from bench import engines, frames, plan, run, subjects, summary  # noqa: E402
+from figures.cost import PASSES  # noqa: E402
+
+
+def test_quick_run_writes_what_it_says(tmp_path, capfd):
+    """The command would end well and leave measurements, plots or the summary out."""
+    assert run.main(["--out", str(tmp_path), "--quick"]) == 0
+    results = json.loads((tmp_path / "bench.json").read_text())
+    assert set(results["machine"]) == {"cpu", "cores", "opengl", "blender", "verglas", "commit"}
+    for kind in "models", "triangles", "pixels":
+        assert {row["method"] for row in results[kind]} == set(frames.METHODS)
+        assert (tmp_path / f"{kind}.png").stat().st_size > 5000
+    assert {row["engine"] for row in results["engines"]} == {*frames.METHODS, "reference", "cycles"}
+    assert (tmp_path / "engines.png").is_file() and (tmp_path / "preparation.png").is_file()
+    numbers = [row[name] for kind in ("preparation", "engines") for row in results[kind]
+               for name in row if name.endswith("ms")]
+    numbers += [row["frame_ms"] for row in results["models"]] + list(results["ratios"].values())
+    assert min(numbers) > 0.0 and np.isfinite(numbers).all()
+    printed = capfd.readouterr().out
+    assert results["machine"]["opengl"] in printed and "reference / cycles, one sample" in printed
+
+
+@pytest.mark.parametrize("method", frames.METHODS)
+def test_passes_add_up(method):
+    """The bars of the passes would show other times than the frames take, or leave a pass out."""
+    subject = subjects.subject(subjects.models()[0], (256, 256), Progress())
+    row = frames.cost(subject.core_scene, method, (256, 256), plan.QUICK)
+    assert {"back_faces", "front_faces", "refraction", "readback"} <= set(row["passes_ms"]) <= set(PASSES)
+    # Passes of a driver with several threads may overlap a little.
+    assert 0.5 * row["frame_ms"] < sum(row["passes_ms"].values()) < 1.3 * row["frame_ms"]
+
+
+@pytest.mark.parametrize("squares", [1, 7])
+def test_ball_is_closed_and_turned_outward(squares):
+    """Cost against triangles would be measured on something that isn't the same ball each time."""
+    mesh = subjects.ball(squares)
+    assert mesh.triangle_count == 12 * squares ** 2 and not mesh.warnings
+    scene = core.Scene()
+    scene.add_object("Ball", mesh, np.eye(4), [scene.add_material(core.Material("Glass"))])
+    directions = np.random.default_rng(0).normal(size=(500, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    hits = core.RayScene(scene).intersect(np.zeros_like(directions), directions)
+    assert np.isfinite(hits["t"]).all() and hits["t"].max() < 1.0001
+    assert ((hits["geometric_normal"] * directions).sum(1) > 0.5).all()
+
+
+def test_engine_that_cannot_run_is_named(monkeypatch):
+    """Without a display for EEVEE the whole measurement would be lost, or EEVEE missing without a word."""
+    def no_display(self):
+        raise Fault("EEVEE needs a display.")
+
+    monkeypatch.setattr(Subject, "eevee", no_display)
+    notes = []
+    rows = engines.engines(dataclasses.replace(plan.QUICK, with_eevee=True), Progress(), notes)
+    assert notes == ["EEVEE needs a display."]
+    assert rows[-1]["engine"] == "cycles"
+
+
+def test_ratios():
+    """The summary would praise the wrong method."""
+    models = [{"model": model, "width": 4, "height": 4, "method": method, "frame_ms": factor * milliseconds}
+              for model, milliseconds in (("a", 1.0), ("b", 100.0))
+              for method, factor in (("bundle", 2.0), ("paper", 8.0), ("single", 1.0), ("specular", 0.5))]
+    rows = [{"engine": "bundle", "sample_ms": 2.0}, {"engine": "reference", "sample_ms": 4.0},
+            {"engine": "cycles", "sample_ms": 8.0},
+            {"engine": "eevee", "sample_ms": 1.0, "picture_ms": 64.0}]
+    found = summary.ratios(models, rows)
+    assert found["paper / bundle, frames of 4 x 4"] == pytest.approx(4.0)
+    assert found["specular / bundle, frames of 4 x 4"] == pytest.approx(0.25)
+    assert found["reference / cycles, one sample"] == pytest.approx(0.5)
+    assert found["cycles with 512 samples / bundle with one"] == pytest.approx(2048.0)
+    assert found["eevee's picture / bundle with one sample"] == pytest.approx(32.0)
