@@ -20,7 +20,8 @@ TIMED_SAMPLES = 128
 
 METHODS = {"specular": "Specular", "bundle": "Ours (bundle)", "paper": "Paper"}
 
-PASSES = ("back_faces", "pyramid", "front_faces", "refraction", "background", "data", "readback")
+PASSES = ("back_faces", "inner_layers", "pyramid", "front_faces", "refraction", "background", "data",
+          "readback")
 """In the order of the frame; the rest of its time is drawn as 'other'."""
 
 COLUMNS = ("Model", "Triangles", "Pixels", *METHODS.values(), "Ground truth")
@@ -69,7 +70,7 @@ def _draw(table: list[tuple[str, ...]], rows: list[Row]) -> plt.Figure:
     frames = [row for row in rows if row["method"] in METHODS]
     places = [i + 0.6 * (i // len(METHODS)) for i in range(len(frames))]
     done = np.zeros(len(frames))
-    for name, color in zip((*PASSES, "other"), plt.get_cmap("Set2").colors):
+    for name, color in zip((*PASSES, "other"), plt.get_cmap("Set3").colors):
         times = np.array([row[f"{name}_ms"] for row in frames])
         ax.barh(places, times, left=done, color=color, label=name.replace("_", " "), height=0.8)
         done += times

@@ -27,10 +27,11 @@ CAPTION = (
     "(blue), in the plane of incidence, per steradian. The numbers inside the arcs are the viewer's angles "
     "to the normal; the arcs' are the angle behind the interface. Left: light enters the glass (1.51); "
     "right: it leaves it (1/1.51), where the critical angle is 41.5°; lobes with less than "
-    f"{LEAST_ENERGY:.0%} of the energy aren't drawn. The paper doesn't name its two roughnesses; these are "
-    "Blinn-Phong exponents of its Fig. 19. The Gaussian has the BTDF's energy and mean direction, and "
-    "where the BTDF is skewed, its peak lies beside that of the BTDF. Error: root of the squared difference "
-    "over the squared BTDF, both integrated over all directions behind the interface."
+    f"{LEAST_ENERGY:.0%} of the energy aren't drawn, and their relative errors don't matter. The paper "
+    "doesn't name its two roughnesses; these are Blinn-Phong exponents of its Fig. 19. The Gaussian has the "
+    "BTDF's energy and mean direction; where the BTDF is skewed, their peaks differ. Relative L2 error: root "
+    "of the squared difference over the squared BTDF, both integrated over all directions behind the "
+    "interface."
 )
 
 
