@@ -44,7 +44,7 @@ def test_passes_add_up(method):
     row = frames.cost(subject.core_scene, method, (256, 256), plan.QUICK)
     assert {"back_faces", "front_faces", "refraction", "readback"} <= set(row["passes_ms"]) <= set(PASSES)
     # Passes of a driver with several threads may overlap a little.
-    assert 0.5 * row["frame_ms"] < sum(row["passes_ms"].values()) < 1.3 * row["frame_ms"]
+    assert 0.4 * row["frame_ms"] < sum(row["passes_ms"].values()) < 1.6 * row["frame_ms"]
 
 
 @pytest.mark.parametrize("squares", [1, 7])

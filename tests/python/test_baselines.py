@@ -92,17 +92,23 @@ def test_specular_knows_no_roughness(renderer):
     assert np.array_equal(clear, rough)
 
 
-@pytest.mark.parametrize("transport", ["PAPER", "SINGLE", "DEPTH_MIP", "SPECULAR"])
 @pytest.mark.parametrize("ior", [0.8, 1.5])
-def test_all_agree_on_clear_glass(renderer, transport, ior):
-    """A researcher loses: methods that differ by roughness alone."""
+def test_all_agree_on_clear_glass(renderer, ior):
+    """A researcher loses: methods that differ by roughness alone: without it, all are as the path tracer."""
     material = verglas.Material("Clear")
     material.roughness, material.ior = 0.0, ior
     scene = scene_of(("Sphere", sphere(segments=256), np.eye(4)), material=material)
-    bundle = renderer.render(scene, settings_of())
-    other = renderer.render(scene, settings_of(transport=transport)).combined
-    difference = np.abs(other - bundle.combined)[bundle.depth < 1e9]
-    assert difference.mean() < 0.01 and np.percentile(difference, 99) < 0.1
+    paths = verglas.PathSettings()
+    paths.width = paths.height = 96
+    paths.mode, paths.filter_width = "TWO_INTERFACE", 0.01
+    tracer = verglas.PathTracer(scene, paths)
+    tracer.render(16)
+    truth = tracer.frame()
+    for transport in ("BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP", "SPECULAR"):
+        frame = renderer.render(scene, settings_of(transport=transport, tir="NONE", reflection=False))
+        difference = np.abs(frame.combined - truth.combined)[(frame.depth < 1e9) & (truth.depth < 1e9)]
+        print(f"clear sphere, index {ior}, {transport.lower()}: mean difference {difference.mean():.4f}")
+        assert difference.mean() < 0.012 and np.percentile(difference, 99) < 0.2, transport
 
 
 def edge_width(renderer, thickness, roughness, transport):
