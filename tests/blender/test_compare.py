@@ -419,11 +419,12 @@ def test_kinds_of_pixels(scene):
 
 
 def test_kinds_of_pixels_of_a_monkey(scene):
-    """Notes would miss what the method can't know: hidden backs, meshes that intersect themselves."""
+    """Notes would miss what the method can't know, meshes that intersect themselves, or blame what it knows:
+    both backs of an ear before a head."""
     set_map(scene)
     add_monkey(frosted(0.2), 1)
     share = kind_shares(methods.Subject(scene, methods.Conditions(96, 96, 1), pytest.fail))
-    assert share["hidden"] > 0.02 and share["open"] > 0.02 and share["total"] > 0.02
+    assert share["hidden"] < 0.01 and share["open"] > 0.02 and share["total"] > 0.02
 
 
 def kind_shares(subject: methods.Subject) -> dict[str, float]:
