@@ -30,7 +30,7 @@ class Plan:
 
 
 FULL = Plan(
-    most_frames=7, least_frames=3, seconds=2.0,
+    most_frames=5, least_frames=3, seconds=1.5,
     model_sizes=((512, 512), (1920, 1080)), model_limit=None,
     pixel_sizes=((256, 256), (512, 512), (1024, 1024), (1920, 1080), (2560, 1440), (3840, 2160)),
     ball_edges=(9, 18, 37, 73, 146, 289, 577),  # 1k to 4M triangles, by fours
