@@ -133,6 +133,43 @@ def slab():
     return bpy.data.objects.new("Slab", new_mesh("Slab", bm, smooth=False))
 
 
+def gem():
+    """A round brilliant with Tolkowsky's angles, radius 1.3: 57 facets, girdle of 16 sides, pointed culet.
+
+    Lengths are in units of the radius. The planes of the 8 main facets above and of those below touch the
+    girdle at every other of its 16 corners; all other corners lie on these planes, and a reach is how far
+    from the axis that is, measured along a main facet's middle.
+    """
+    radius, half_girdle = 1.3, 0.025
+    crown, pavilion = tan(radians(34.5)), tan(radians(40.75))
+    table_reach, star_reach, lower_reach = 0.55, 0.775, 0.25
+    center = (crown * (1 - table_reach) - pavilion) / 2
+    bm = bmesh.new()
+
+    def ring(corners, reach, z):
+        angles = [i * pi / 8 for i in corners]
+        return [bm.verts.new(radius * Vector((reach * cos(a), reach * sin(a), z - center))) for a in angles]
+
+    even, odd = range(0, 16, 2), range(1, 16, 2)
+    table = ring(even, table_reach, half_girdle + crown * (1 - table_reach))
+    stars = ring(odd, star_reach / cos(pi / 8), half_girdle + crown * (1 - star_reach))
+    upper, lower = ring(range(16), 1, half_girdle), ring(range(16), 1, -half_girdle)
+    halves = ring(odd, lower_reach / cos(pi / 8), -half_girdle - pavilion * (1 - lower_reach))
+    culet, = ring([0], 0, -half_girdle - pavilion)
+
+    bm.faces.new(table)
+    for k in range(8):
+        i, j, next_i = 2 * k, 2 * k + 1, (2 * k + 2) % 16
+        bm.faces.new((table[k], stars[k], table[(k + 1) % 8]))
+        bm.faces.new((table[k], stars[k - 1], upper[i], stars[k]))
+        bm.faces.new((culet, halves[k], lower[i], halves[k - 1]))
+        for a, b in ((i, j), (j, next_i)):
+            bm.faces.new((stars[k], upper[a], upper[b]))
+            bm.faces.new((upper[a], lower[a], lower[b], upper[b]))
+            bm.faces.new((halves[k], lower[b], lower[a]))
+    return bpy.data.objects.new("Gem", new_mesh("Gem", bm, smooth=False))
+
+
 # Everything else
 
 def frosted_glass(roughness):
@@ -207,6 +244,7 @@ SCENES = {  # how to make it, roughness, rotation of the object
     "lens": (lens, 0.3, (0, 0, 0)),
     "bottle": (bottle, 0.35, (0, 0, 0)),
     "slab": (slab, 0.4, (0, 0, radians(30))),
+    "gem": (gem, 0.25, (radians(42), radians(-12), 0)),
 }
 
 

@@ -7,6 +7,7 @@ import os
 import tempfile
 from dataclasses import dataclass
 
+import bmesh
 import bpy
 import numpy as np
 import OpenImageIO as oiio
@@ -71,10 +72,54 @@ def add_monkey(material: bpy.types.Material | None, subdivisions: int = 0) -> bp
     return _finish(material, subdivisions)
 
 
-def add_sphere(material: bpy.types.Material | None, segments: int = 32, rings: int = 16) -> bpy.types.Object:
-    """Smooth, radius 1, at the origin."""
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=segments, ring_count=rings, radius=1)
+def add_sphere(material: bpy.types.Material | None, segments: int = 32, rings: int = 16, radius: float = 1.0,
+               location=(0.0, 0.0, 0.0)) -> bpy.types.Object:
+    """Smooth."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=segments, ring_count=rings, radius=radius,
+                                         location=location)
     return _finish(material, 0)
+
+
+def add_hollow_sphere(material: bpy.types.Material | None, segments: int = 32, rings: int = 16,
+                      hollow: float = 0.8) -> bpy.types.Object:
+    """Smooth, radius 1, at the origin, with a hollow of this radius in it. One mesh of two closed walls; the
+    inner one faces its centre, as the air is there."""
+    obj = add_sphere(material, segments, rings)
+    bm = bmesh.new()
+    bm.from_mesh(obj.data)
+    wall = bmesh.ops.create_uvsphere(bm, u_segments=segments, v_segments=rings, radius=hollow)["verts"]
+    bmesh.ops.reverse_faces(bm, faces=list({face for vertex in wall for face in vertex.link_faces}))
+    bm.to_mesh(obj.data)
+    bm.free()
+    set_smooth(obj.data, True)
+    return obj
+
+
+Pair = tuple[bpy.types.Object, bpy.types.Object]
+
+
+def add_nested_spheres(outer: bpy.types.Material, inner: bpy.types.Material, segments: int = 32,
+                       rings: int = 16) -> Pair:
+    """Radius 0.5 within radius 1, off its centre, not touching it: light goes from glass into glass. Cycles
+    knows no nested media and takes each IOR as that of one crossing: for an IOR of 1.3 within one of 1.5 the
+    inner material has to have 1.3 / 1.5 there."""
+    return (add_sphere(outer, segments, rings),
+            add_sphere(inner, segments, rings, radius=0.5, location=(0.25, 0.0, 0.15)))
+
+
+def add_spheres_in_a_row(front: bpy.types.Material, back: bpy.types.Material, segments: int = 32,
+                         rings: int = 16) -> Pair:
+    """Two that are seen one through the other, in part, by the camera of add_camera()."""
+    return (add_sphere(front, segments, rings, radius=0.7, location=(-0.3, -0.9, 0.0)),
+            add_sphere(back, segments, rings, radius=0.9, location=(0.4, 0.9, 0.0)))
+
+
+def add_overlapping_spheres(left: bpy.types.Material, right: bpy.types.Material, segments: int = 32,
+                            rings: int = 16) -> Pair:
+    """Two that share a part of their space, a lens upright between them, seen from the side by the camera of
+    add_camera()."""
+    return (add_sphere(left, segments, rings, radius=0.8, location=(-0.45, 0.0, 0.0)),
+            add_sphere(right, segments, rings, radius=0.8, location=(0.45, 0.0, 0.0)))
 
 
 def _finish(material: bpy.types.Material | None, subdivisions: int) -> bpy.types.Object:

@@ -5,7 +5,8 @@ import bpy
 import numpy as np
 import pytest
 from scenes import (
-    add_monkey, add_sphere, frosted, new_material, render, set_background, set_map, world_map,
+    add_hollow_sphere, add_monkey, add_sphere, add_spheres_in_a_row, frosted, new_material, render,
+    set_background, set_map, world_map,
 )
 from verglas.compare import methods, metrics
 from verglas.engine import VerglasRenderEngine
@@ -103,6 +104,8 @@ SHAPES = {
     "sphere": lambda material: add_sphere(material, 144, 72),
     "monkey": lambda material: add_monkey(material, subdivisions=3),
     "slab": add_slab,
+    "hollow": lambda material: add_hollow_sphere(material, 144, 72),
+    "spheres in a row": lambda material: add_spheres_in_a_row(material, material, 144, 72),
 }
 
 
