@@ -10,7 +10,9 @@ namespace verglas::model {
 
 using glm::abs;
 using glm::acos;
+using glm::asin;
 using glm::atan;
+using glm::ceil;
 using glm::clamp;
 using glm::cos;
 using glm::cross;

@@ -5,20 +5,12 @@
 #include <memory>
 #include <vector>
 
+#include "core/environment/level_plan.h"
 #include "core/gl/objects.h"
 #include "core/gl/program.h"
 #include "core/scene/environment_map.h"
 
 namespace verglas {
-
-// A level of the prefiltered environment within the atlas; see shaders/lib/environment.glsl.
-struct EnvironmentLevel {
-    float kappa = 0.0F;
-    // columns and intervals between rows of the lattice; it has one texel more in either direction.
-    int columns = 0;
-    int intervals = 0;
-    int first_row = 0;  // of the atlas
-};
 
 // An environment on the GPU: the map as it is, and its levels.
 struct FilteredEnvironment {
@@ -28,10 +20,7 @@ struct FilteredEnvironment {
     std::vector<EnvironmentLevel> levels;
 };
 
-// Prefilters environment maps on the GPU (de Rousiers et al. 2012, section 4.1). Lives on the GL thread.
-//
-// Level 0 has the concentration of a Gaussian 1.5 texels wide; each level is filtered from a sharper one,
-// with the kernel that A3(kappa_ab) = A3(kappa_a) A3(kappa_b) asks for.
+// Prefilters environment maps on the GPU, by core/environment/level_plan.h. Lives on the GL thread.
 class EnvironmentFilter {
   public:
     EnvironmentFilter();
