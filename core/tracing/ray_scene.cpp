@@ -19,10 +19,12 @@ namespace {
 
 // Embree reads vertices 16 bytes at a time: the last one must be followed by 4 more bytes, so they are
 // copied.
-void set_mesh(RTCGeometry geometry, const Mesh& mesh) {
-    auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), mesh.positions().size()));
-    std::copy(mesh.positions().begin(), mesh.positions().end(), vertices);
+glm::vec3* new_vertices(RTCGeometry geometry, std::size_t count) {
+    return static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                           RTC_FORMAT_FLOAT3, sizeof(glm::vec3), count));
+}
+
+void share_indices(RTCGeometry geometry, const Mesh& mesh) {
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices().data(), 0,
                                3 * sizeof(std::uint32_t), mesh.triangle_count());
 }
@@ -41,39 +43,120 @@ RTCRay make_ray(const glm::vec3& origin, const glm::vec3& d) {
     return ray;
 }
 
+// Whether a tree of one fits the other when its boxes are made anew.
+bool same_triangles(const Mesh& a, const Mesh& b) {
+    return a.name() == b.name() && a.positions().size() == b.positions().size() && a.indices() == b.indices();
+}
+
 }  // namespace
 
 void RayScene::Release::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
+void RayScene::Release::operator()(RTCGeometryTy* geometry) const { rtcReleaseGeometry(geometry); }
 void RayScene::Release::operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }
 
-RayScene::RayScene(const Scene& scene) : device_(rtcNewDevice(nullptr)), top_(nullptr) {
+RayScene::RayScene() : device_(rtcNewDevice(nullptr)) {
     if (!device_) throw Error("Embree can't be started on this processor.");
-    top_.reset(rtcNewScene(device_.get()));
-    std::unordered_map<const Mesh*, RTCScene> known;
+    build_top();
+}
+
+RayScene::RayScene(const Scene& scene) : RayScene() { update(scene); }
+
+void RayScene::update(const Scene& scene) {
+    bool changed = update_trees(scene);
+    std::unordered_map<const Mesh*, RTCScene> trees;
+    for (const Tree& tree : trees_) trees[tree.mesh.get()] = tree.scene.get();
+    std::vector<Placed> objects;
     for (const Object& object : scene.objects) {
         if (object.mesh->indices().empty()) continue;
-        RTCScene& mesh_scene = known[object.mesh.get()];
-        if (mesh_scene == nullptr) {
-            mesh_scene = meshes_.emplace_back(rtcNewScene(device_.get())).get();
-            rtcSetSceneFlags(mesh_scene, RTC_SCENE_FLAG_ROBUST);
-            RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-            set_mesh(geometry, *object.mesh);
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometry(mesh_scene, geometry);
-            rtcReleaseGeometry(geometry);
-            rtcCommitScene(mesh_scene);
+        objects.push_back({object.mesh, trees.at(object.mesh.get()), object.matrix,
+                           glm::transpose(glm::inverse(glm::mat3(object.matrix))), object.materials,
+                           static_cast<int>(&object - scene.objects.data())});
+    }
+    changed = changed || !std::equal(objects.begin(), objects.end(), objects_.begin(), objects_.end(),
+                                     [](const Placed& a, const Placed& b) {
+                                         return a.tree == b.tree && a.matrix == b.matrix;
+                                     });
+    objects_ = std::move(objects);
+    if (changed) build_top();
+    check();
+}
+
+// Whether any tree was built or refit.
+bool RayScene::update_trees(const Scene& scene) {
+    std::vector<std::shared_ptr<const Mesh>> unknown;
+    std::unordered_map<const Mesh*, bool> kept;  // the scene's meshes, and whether they had a tree before
+    for (const Object& object : scene.objects) {
+        if (!object.mesh->indices().empty()) kept[object.mesh.get()] = false;
+    }
+    std::vector<Tree> left;
+    std::vector<Tree> trees;
+    for (Tree& tree : trees_) {
+        const auto found = kept.find(tree.mesh.get());
+        if (found != kept.end()) found->second = true;
+        (found != kept.end() ? trees : left).push_back(std::move(tree));
+    }
+    bool changed = false;
+    for (const Object& object : scene.objects) {
+        const auto found = kept.find(object.mesh.get());
+        if (found == kept.end() || found->second) continue;
+        found->second = changed = true;
+        const auto same = std::find_if(left.begin(), left.end(), [&](const Tree& tree) {
+            return same_triangles(*tree.mesh, *object.mesh);
+        });
+        if (same == left.end()) {
+            trees.push_back(build(object.mesh));
+        } else {
+            trees.push_back(std::move(*same));
+            left.erase(same);
+            refit(trees.back(), object.mesh);
         }
-        RTCGeometry instance = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(instance, mesh_scene);
-        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, glm::value_ptr(object.matrix));
-        rtcCommitGeometry(instance);
-        rtcAttachGeometryByID(top_.get(), instance, static_cast<unsigned>(objects_.size()));
-        rtcReleaseGeometry(instance);
-        const glm::mat3 linear(object.matrix);
-        objects_.push_back({object.mesh, object.matrix, glm::transpose(glm::inverse(linear)),
-                            object.materials, static_cast<int>(&object - scene.objects.data())});
+    }
+    trees_ = std::move(trees);
+    return changed;
+}
+
+RayScene::Tree RayScene::build(std::shared_ptr<const Mesh> mesh) const {
+    Tree tree{std::move(mesh), ScenePointer(rtcNewScene(device_.get())),
+              GeometryPointer(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE))};
+    RTCGeometry geometry = tree.geometry.get();
+    const std::vector<glm::vec3>& positions = tree.mesh->positions();
+    std::copy(positions.begin(), positions.end(), new_vertices(geometry, positions.size()));
+    share_indices(geometry, *tree.mesh);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(tree.scene.get(), geometry);
+    rtcSetSceneFlags(tree.scene.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcCommitScene(tree.scene.get());
+    return tree;
+}
+
+void RayScene::refit(Tree& tree, std::shared_ptr<const Mesh> mesh) const {
+    RTCGeometry geometry = tree.geometry.get();
+    auto* vertices = static_cast<glm::vec3*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+    std::copy(mesh->positions().begin(), mesh->positions().end(), vertices);
+    share_indices(geometry, *mesh);
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(tree.scene.get());
+    tree.mesh = std::move(mesh);
+}
+
+void RayScene::build_top() {
+    top_.reset(rtcNewScene(device_.get()));
+    for (unsigned i = 0; i < objects_.size(); ++i) {
+        const GeometryPointer instance(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+        rtcSetGeometryInstancedScene(instance.get(), objects_[i].tree);
+        rtcSetGeometryTransform(instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
+                                glm::value_ptr(objects_[i].matrix));
+        rtcCommitGeometry(instance.get());
+        rtcAttachGeometryByID(top_.get(), instance.get(), i);
     }
     rtcCommitScene(top_.get());
+}
+
+void RayScene::check() const {
+    const RTCError error = rtcGetDeviceError(device_.get());
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw Error("There isn't enough memory for the scene's rays.");
+    if (error != RTC_ERROR_NONE) throw Error("Embree failed with error " + std::to_string(error) + ".");
 }
 
 int RayScene::material_of(const Placed& object, std::uint32_t triangle) const {
@@ -116,6 +199,11 @@ std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3&
     hit.material = material_of(object, query.hit.primID);
     hit.object = object.index;
     return hit;
+}
+
+void RayScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        hits[i] = intersect(rays[i].origin, rays[i].d).value_or(Hit::none());
 }
 
 bool RayScene::escapes(const glm::vec3& origin, const glm::vec3& d) const {
