@@ -83,6 +83,10 @@ class RayScene {
         glm::mat3 normal_matrix;  // object -> world, for normals
         std::vector<int> materials;
         int index;  // in Scene::objects
+
+        Hit hit(float t, std::uint32_t triangle, float u, float v, const glm::vec3& outward) const;
+        int material_of(std::uint32_t triangle) const;
+        int material_of(const MeshPart& part) const;
     };
 
     bool update_trees(const Scene& scene);
@@ -90,9 +94,11 @@ class RayScene {
     void refit(Tree& tree, std::shared_ptr<const Mesh> mesh) const;
     void build_top();
     void check() const;
-    int material_of(const Placed& object, std::uint32_t triangle) const;
+    template <int width>
+    void intersect_packets(std::span<const Ray> rays, std::span<Hit> hits) const;
 
     std::unique_ptr<RTCDeviceTy, Release> device_;
+    int packet_width_ = 0;
     std::vector<Tree> trees_;
     ScenePointer top_;
     std::vector<Placed> objects_;  // by instance id
