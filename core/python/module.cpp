@@ -8,7 +8,6 @@
 
 #include <array>
 #include <glm/gtc/type_ptr.hpp>
-#include <limits>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -338,11 +337,8 @@ py::dict intersect(const RayScene& self, const Array<float>& origins, const Arra
     int* const objects = object.mutable_data();
     {
         const py::gil_scoped_release release;
-        Hit none;
-        none.t = std::numeric_limits<float>::infinity();
-        none.material = none.object = -1;
         tbb::parallel_for(std::size_t{0}, from.size(), [&](std::size_t i) {
-            const Hit hit = self.intersect(from[i], glm::normalize(to[i])).value_or(none);
+            const Hit hit = self.intersect(from[i], glm::normalize(to[i])).value_or(Hit::none());
             ts[i] = hit.t;
             geometric_normals[i] = hit.geometric_normal;
             normals[i] = hit.normal;

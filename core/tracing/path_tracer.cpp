@@ -56,11 +56,6 @@ glm::vec3 beside(const Hit& hit, const glm::vec3& d) {
            (glm::dot(d, hit.geometric_normal) > 0.0F ? 1.0F : -1.0F) * 4e-6F * scale * hit.geometric_normal;
 }
 
-struct Ray {
-    glm::vec3 origin;
-    glm::vec3 d;
-};
-
 // An interface as a path meets it.
 struct Crossing {
     const Hit& hit;

@@ -19,13 +19,60 @@ namespace {
 
 // Embree reads vertices 16 bytes at a time: the last one must be followed by 4 more bytes, so they are
 // copied.
-void set_mesh(RTCGeometry geometry, const Mesh& mesh) {
-    auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), mesh.positions().size()));
-    std::copy(mesh.positions().begin(), mesh.positions().end(), vertices);
+glm::vec3* new_vertices(RTCGeometry geometry, std::size_t count) {
+    return static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                           RTC_FORMAT_FLOAT3, sizeof(glm::vec3), count));
+}
+
+void share_indices(RTCGeometry geometry, const Mesh& mesh) {
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices().data(), 0,
                                3 * sizeof(std::uint32_t), mesh.triangle_count());
 }
+
+// Embree 3 and 4 differ in how options come along with a query.
+#if RTC_VERSION_MAJOR >= 4
+using Options = RTCIntersectArguments;
+
+Options make_options(bool coherent) {
+    Options options;
+    rtcInitIntersectArguments(&options);
+    if (coherent) options.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    return options;
+}
+
+void intersect_one(RTCScene scene, RTCRayHit& query) { rtcIntersect1(scene, &query, nullptr); }
+
+void occlude_one(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
+
+template <typename Function, typename Packet>
+void intersect_packet(Function function, const int* valid, RTCScene scene, Packet& packet, Options& options) {
+    function(valid, scene, &packet, &options);
+}
+#else
+using Options = RTCIntersectContext;
+
+Options make_options(bool coherent) {
+    Options options;
+    rtcInitIntersectContext(&options);
+    if (coherent) options.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    return options;
+}
+
+void intersect_one(RTCScene scene, RTCRayHit& query) {
+    Options options = make_options(false);
+    rtcIntersect1(scene, &options, &query);
+}
+
+void occlude_one(RTCScene scene, RTCRay& ray) {
+    Options options = make_options(false);
+    rtcOccluded1(scene, &options, &ray);
+}
+
+template <typename Function, typename Packet>
+void intersect_packet(Function function, const int* valid, RTCScene scene, Packet& packet, Options& options) {
+    function(valid, scene, &options, &packet);
+}
+#endif
 
 RTCRay make_ray(const glm::vec3& origin, const glm::vec3& d) {
     RTCRay ray{};
@@ -41,48 +88,201 @@ RTCRay make_ray(const glm::vec3& origin, const glm::vec3& d) {
     return ray;
 }
 
+// `width` rays side by side.
+template <int width>
+struct Packet;
+
+template <>
+struct Packet<4> {
+    RTCRayHit4 lanes;
+    static constexpr auto intersect = rtcIntersect4;
+};
+
+template <>
+struct Packet<8> {
+    RTCRayHit8 lanes;
+    static constexpr auto intersect = rtcIntersect8;
+};
+
+template <>
+struct Packet<16> {
+    RTCRayHit16 lanes;
+    static constexpr auto intersect = rtcIntersect16;
+};
+
+template <typename Lanes>
+void set_lane(Lanes& lanes, int i, const Ray& ray) {
+    lanes.ray.org_x[i] = ray.origin.x;
+    lanes.ray.org_y[i] = ray.origin.y;
+    lanes.ray.org_z[i] = ray.origin.z;
+    lanes.ray.dir_x[i] = ray.d.x;
+    lanes.ray.dir_y[i] = ray.d.y;
+    lanes.ray.dir_z[i] = ray.d.z;
+    lanes.ray.tnear[i] = 0.0F;
+    lanes.ray.tfar[i] = std::numeric_limits<float>::infinity();
+    lanes.ray.time[i] = 0.0F;
+    lanes.ray.mask[i] = ~0U;
+    lanes.ray.id[i] = 0;
+    lanes.ray.flags[i] = 0;
+    lanes.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    lanes.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+}
+
+// Rays of a packet whose directions are within 11 degrees of the first's are followed as one frustum; others
+// would be slowed down by that.
+constexpr float coherent_cosine = 0.98F;
+
+int native_width(RTCDevice device) {
+    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0) return 16;
+    return rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0 ? 8 : 4;
+}
+
+// Whether a tree of one fits the other when its boxes are made anew.
+bool same_triangles(const Mesh& a, const Mesh& b) {
+    return a.name() == b.name() && a.positions().size() == b.positions().size() && a.indices() == b.indices();
+}
+
 }  // namespace
 
 void RayScene::Release::operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
+void RayScene::Release::operator()(RTCGeometryTy* geometry) const { rtcReleaseGeometry(geometry); }
 void RayScene::Release::operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }
 
-RayScene::RayScene(const Scene& scene) : device_(rtcNewDevice(nullptr)), top_(nullptr) {
+RayScene::RayScene() : device_(rtcNewDevice(nullptr)) {
     if (!device_) throw Error("Embree can't be started on this processor.");
-    top_.reset(rtcNewScene(device_.get()));
-    std::unordered_map<const Mesh*, RTCScene> known;
+    packet_width_ = native_width(device_.get());
+    build_top();
+}
+
+RayScene::RayScene(const Scene& scene) : RayScene() { update(scene); }
+
+void RayScene::update(const Scene& scene) {
+    bool changed = update_trees(scene);
+    std::unordered_map<const Mesh*, RTCScene> trees;
+    for (const Tree& tree : trees_) trees[tree.mesh.get()] = tree.scene.get();
+    std::vector<Placed> objects;
     for (const Object& object : scene.objects) {
         if (object.mesh->indices().empty()) continue;
-        RTCScene& mesh_scene = known[object.mesh.get()];
-        if (mesh_scene == nullptr) {
-            mesh_scene = meshes_.emplace_back(rtcNewScene(device_.get())).get();
-            rtcSetSceneFlags(mesh_scene, RTC_SCENE_FLAG_ROBUST);
-            RTCGeometry geometry = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
-            set_mesh(geometry, *object.mesh);
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometry(mesh_scene, geometry);
-            rtcReleaseGeometry(geometry);
-            rtcCommitScene(mesh_scene);
+        objects.push_back({object.mesh, trees.at(object.mesh.get()), object.matrix,
+                           glm::transpose(glm::inverse(glm::mat3(object.matrix))), object.materials,
+                           static_cast<int>(&object - scene.objects.data())});
+    }
+    changed = changed || !std::equal(objects.begin(), objects.end(), objects_.begin(), objects_.end(),
+                                     [](const Placed& a, const Placed& b) {
+                                         return a.tree == b.tree && a.matrix == b.matrix;
+                                     });
+    objects_ = std::move(objects);
+    if (changed) build_top();
+    check();
+}
+
+// Whether any tree was built or refit.
+bool RayScene::update_trees(const Scene& scene) {
+    std::vector<std::shared_ptr<const Mesh>> unknown;
+    std::unordered_map<const Mesh*, bool> kept;  // the scene's meshes, and whether they had a tree before
+    for (const Object& object : scene.objects) {
+        if (!object.mesh->indices().empty()) kept[object.mesh.get()] = false;
+    }
+    std::vector<Tree> left;
+    std::vector<Tree> trees;
+    for (Tree& tree : trees_) {
+        const auto found = kept.find(tree.mesh.get());
+        if (found != kept.end()) found->second = true;
+        (found != kept.end() ? trees : left).push_back(std::move(tree));
+    }
+    bool changed = false;
+    for (const Object& object : scene.objects) {
+        const auto found = kept.find(object.mesh.get());
+        if (found == kept.end() || found->second) continue;
+        found->second = changed = true;
+        const auto same = std::find_if(left.begin(), left.end(), [&](const Tree& tree) {
+            return same_triangles(*tree.mesh, *object.mesh);
+        });
+        if (same == left.end()) {
+            trees.push_back(build(object.mesh));
+        } else {
+            trees.push_back(std::move(*same));
+            left.erase(same);
+            refit(trees.back(), object.mesh);
         }
-        RTCGeometry instance = rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE);
-        rtcSetGeometryInstancedScene(instance, mesh_scene);
-        rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, glm::value_ptr(object.matrix));
-        rtcCommitGeometry(instance);
-        rtcAttachGeometryByID(top_.get(), instance, static_cast<unsigned>(objects_.size()));
-        rtcReleaseGeometry(instance);
-        const glm::mat3 linear(object.matrix);
-        objects_.push_back({object.mesh, object.matrix, glm::transpose(glm::inverse(linear)),
-                            object.materials, static_cast<int>(&object - scene.objects.data())});
+    }
+    trees_ = std::move(trees);
+    return changed;
+}
+
+RayScene::Tree RayScene::build(std::shared_ptr<const Mesh> mesh) const {
+    Tree tree{std::move(mesh), ScenePointer(rtcNewScene(device_.get())),
+              GeometryPointer(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE))};
+    RTCGeometry geometry = tree.geometry.get();
+    const std::vector<glm::vec3>& positions = tree.mesh->positions();
+    std::copy(positions.begin(), positions.end(), new_vertices(geometry, positions.size()));
+    share_indices(geometry, *tree.mesh);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(tree.scene.get(), geometry);
+    rtcSetSceneFlags(tree.scene.get(), RTC_SCENE_FLAG_ROBUST);
+    rtcCommitScene(tree.scene.get());
+    return tree;
+}
+
+void RayScene::refit(Tree& tree, std::shared_ptr<const Mesh> mesh) const {
+    RTCGeometry geometry = tree.geometry.get();
+    auto* vertices = static_cast<glm::vec3*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+    std::copy(mesh->positions().begin(), mesh->positions().end(), vertices);
+    share_indices(geometry, *mesh);
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+    rtcCommitScene(tree.scene.get());
+    tree.mesh = std::move(mesh);
+}
+
+void RayScene::build_top() {
+    top_.reset(rtcNewScene(device_.get()));
+    for (unsigned i = 0; i < objects_.size(); ++i) {
+        const GeometryPointer instance(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+        rtcSetGeometryInstancedScene(instance.get(), objects_[i].tree);
+        rtcSetGeometryTransform(instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR,
+                                glm::value_ptr(objects_[i].matrix));
+        rtcCommitGeometry(instance.get());
+        rtcAttachGeometryByID(top_.get(), instance.get(), i);
     }
     rtcCommitScene(top_.get());
 }
 
-int RayScene::material_of(const Placed& object, std::uint32_t triangle) const {
-    const std::vector<MeshPart>& parts = object.mesh->parts();
+void RayScene::check() const {
+    const RTCError error = rtcGetDeviceError(device_.get());
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw Error("There isn't enough memory for the scene's rays.");
+    if (error != RTC_ERROR_NONE) throw Error("Embree failed with error " + std::to_string(error) + ".");
+}
+
+int RayScene::Placed::material_of(std::uint32_t triangle) const {
+    const std::vector<MeshPart>& parts = mesh->parts();
+    if (parts.size() == 1) return material_of(parts.front());
     const auto after =
         std::upper_bound(parts.begin(), parts.end(), 3 * triangle,
-                         [](std::uint32_t index, const MeshPart& part) { return index < part.first; });
-    const int slot = std::prev(after)->slot;
-    return object.materials[std::min(slot, static_cast<int>(object.materials.size()) - 1)];
+                         [](std::uint32_t corner, const MeshPart& part) { return corner < part.first; });
+    return material_of(*std::prev(after));
+}
+
+int RayScene::Placed::material_of(const MeshPart& part) const {
+    return materials[std::min(part.slot, static_cast<int>(materials.size()) - 1)];
+}
+
+// u, v: barycentric. outward: the triangle's normal in object space, of any length.
+Hit RayScene::Placed::hit(float t, std::uint32_t triangle, float u, float v, const glm::vec3& outward) const {
+    const std::uint32_t* corner = &mesh->indices()[std::size_t{3} * triangle];
+    const auto mix = [&](const auto& values) {
+        return (1.0F - u - v) * values[corner[0]] + u * values[corner[1]] + v * values[corner[2]];
+    };
+    Hit hit;
+    hit.t = t;
+    // More precise than origin + t d.
+    hit.position = glm::vec3(matrix * glm::vec4(mix(mesh->positions()), 1.0F));
+    hit.geometric_normal = glm::normalize(normal_matrix * outward);
+    hit.normal = glm::normalize(normal_matrix * mix(mesh->normals()));
+    if (!mesh->uvs().empty()) hit.uv = mix(mesh->uvs());
+    hit.material = material_of(triangle);
+    hit.object = index;
+    return hit;
 }
 
 std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3& d) const {
@@ -90,43 +290,55 @@ std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3&
     query.ray = make_ray(origin, d);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-    rtcIntersect1(top_.get(), &query);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(top_.get(), &context, &query);
-#endif
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    const Placed& object = objects_[query.hit.instID[0]];
-    const std::uint32_t* corner = &object.mesh->indices()[std::size_t{3} * query.hit.primID];
-    const float u = query.hit.u;
-    const float v = query.hit.v;
-    const auto mix = [&](const auto& values) {
-        return (1.0F - u - v) * values[corner[0]] + u * values[corner[1]] + v * values[corner[2]];
-    };
-    const glm::vec3 outward(query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z);
-    Hit hit;
-    hit.t = query.ray.tfar;
-    // More precise than origin + t d.
-    hit.position = glm::vec3(object.matrix * glm::vec4(mix(object.mesh->positions()), 1.0F));
-    hit.geometric_normal = glm::normalize(object.normal_matrix * outward);
-    hit.normal = glm::normalize(object.normal_matrix * mix(object.mesh->normals()));
-    if (!object.mesh->uvs().empty()) hit.uv = mix(object.mesh->uvs());
-    hit.material = material_of(object, query.hit.primID);
-    hit.object = object.index;
-    return hit;
+    intersect_one(top_.get(), query);
+    const RTCHit& found = query.hit;
+    if (found.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return objects_[found.instID[0]].hit(query.ray.tfar, found.primID, found.u, found.v,
+                                         {found.Ng_x, found.Ng_y, found.Ng_z});
+}
+
+void RayScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
+    switch (packet_width_) {
+        case 16:
+            return intersect_packets<16>(rays, hits);
+        case 8:
+            return intersect_packets<8>(rays, hits);
+        default:
+            return intersect_packets<4>(rays, hits);
+    }
+}
+
+template <int width>
+void RayScene::intersect_packets(std::span<const Ray> rays, std::span<Hit> hits) const {
+    Options separate = make_options(false);
+    Options together = make_options(true);
+    Packet<width> packet;
+    alignas(64) int valid[width];
+    for (std::size_t first = 0; first < rays.size(); first += width) {
+        const int count = static_cast<int>(std::min<std::size_t>(width, rays.size() - first));
+        float cosine = 1.0F;
+        for (int i = 0; i < width; ++i) {
+            const Ray& ray = rays[first + std::min(i, count - 1)];
+            set_lane(packet.lanes, i, ray);
+            valid[i] = i < count ? -1 : 0;
+            cosine = std::min(cosine, glm::dot(ray.d, rays[first].d));
+        }
+        intersect_packet(Packet<width>::intersect, valid, top_.get(), packet.lanes,
+                         cosine > coherent_cosine ? together : separate);
+        const auto& found = packet.lanes.hit;
+        for (int i = 0; i < count; ++i) {
+            const bool met = found.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+            hits[first + i] = met ? objects_[found.instID[0][i]].hit(
+                                        packet.lanes.ray.tfar[i], found.primID[i], found.u[i], found.v[i],
+                                        {found.Ng_x[i], found.Ng_y[i], found.Ng_z[i]})
+                                  : Hit::none();
+        }
+    }
 }
 
 bool RayScene::escapes(const glm::vec3& origin, const glm::vec3& d) const {
     RTCRay ray = make_ray(origin, d);
-#if RTC_VERSION_MAJOR >= 4
-    rtcOccluded1(top_.get(), &ray);
-#else
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(top_.get(), &context, &ray);
-#endif
+    occlude_one(top_.get(), ray);
     return ray.tfar >= 0.0F;
 }
 

@@ -1,16 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/scene/scene.h"
 
 struct RTCDeviceTy;
+struct RTCGeometryTy;
 struct RTCSceneTy;
 
 namespace verglas {
+
+struct Ray {
+    glm::vec3 origin;
+    glm::vec3 d;  // unit
+};
 
 // Where a ray meets a surface.
 struct Hit {
@@ -21,37 +29,77 @@ struct Hit {
     glm::vec2 uv{0.0F};                // 0 where the mesh has none
     int material = 0;
     int object = 0;  // index into Scene::objects
+
+    // What a ray gets that meets nothing.
+    static Hit none() {
+        Hit hit;
+        hit.t = std::numeric_limits<float>::infinity();
+        hit.material = hit.object = -1;
+        return hit;
+    }
 };
 
-// A scene for rays: one tree for each mesh, and one over all objects (Embree). Can be asked by many threads.
+// A scene for rays: one tree for each mesh, and one over all objects (Embree). Can be asked by many threads,
+// but not while update() runs.
 class RayScene {
   public:
+    // Empty. Throws Error where Embree can't be started.
+    RayScene();
+    // The same, and update(scene).
     explicit RayScene(const Scene& scene);
 
-    // The nearest surface beyond t = 0; d is a unit vector.
+    // Follows the scene and builds only what has changed. A mesh is known again by its identity; one of the
+    // same name and triangles as another that has gone takes over its tree, which is refit to the new
+    // positions. Throws Error where memory doesn't suffice.
+    void update(const Scene& scene);
+
+    // The nearest surface beyond t = 0.
     std::optional<Hit> intersect(const glm::vec3& origin, const glm::vec3& d) const;
+    // The same of many rays; Hit::none() where nothing is met. hits: as many as rays.
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
     // Whether nothing lies on the way to infinity.
     bool escapes(const glm::vec3& origin, const glm::vec3& d) const;
 
   private:
     struct Release {
         void operator()(RTCDeviceTy* device) const;
+        void operator()(RTCGeometryTy* geometry) const;
         void operator()(RTCSceneTy* scene) const;
     };
+    using GeometryPointer = std::unique_ptr<RTCGeometryTy, Release>;
     using ScenePointer = std::unique_ptr<RTCSceneTy, Release>;
+
+    // Of one mesh.
+    struct Tree {
+        std::shared_ptr<const Mesh> mesh;
+        ScenePointer scene;
+        GeometryPointer geometry;  // the scene's only one
+    };
 
     struct Placed {
         std::shared_ptr<const Mesh> mesh;
+        RTCSceneTy* tree;
         glm::mat4 matrix;
         glm::mat3 normal_matrix;  // object -> world, for normals
         std::vector<int> materials;
         int index;  // in Scene::objects
+
+        Hit hit(float t, std::uint32_t triangle, float u, float v, const glm::vec3& outward) const;
+        int material_of(std::uint32_t triangle) const;
+        int material_of(const MeshPart& part) const;
     };
 
-    int material_of(const Placed& object, std::uint32_t triangle) const;
+    bool update_trees(const Scene& scene);
+    Tree build(std::shared_ptr<const Mesh> mesh) const;
+    void refit(Tree& tree, std::shared_ptr<const Mesh> mesh) const;
+    void build_top();
+    void check() const;
+    template <int width>
+    void intersect_packets(std::span<const Ray> rays, std::span<Hit> hits) const;
 
     std::unique_ptr<RTCDeviceTy, Release> device_;
-    std::vector<ScenePointer> meshes_;
+    int packet_width_ = 0;
+    std::vector<Tree> trees_;
     ScenePointer top_;
     std::vector<Placed> objects_;  // by instance id
 };
