@@ -16,6 +16,7 @@
 #include "core/material/interface_lobe.h"
 #include "core/renderer.h"
 #include "core/tracing/path_tracer.h"
+#include "core/tracing/traced_renderer.h"
 #include "core/tracing/ray_scene.h"
 
 namespace py = pybind11;
@@ -302,7 +303,9 @@ void bind_settings(py::module_& module) {
         .def_readwrite("samples", &Settings::samples)
         .def_readwrite("filter_width", &Settings::filter_width)
         .def_readwrite("reflection", &Settings::reflection)
-        .def_readwrite("transparent", &Settings::transparent);
+        .def_readwrite("transparent", &Settings::transparent)
+        .def_readwrite("max_interfaces", &Settings::max_interfaces)
+        .def_readwrite("threads", &Settings::threads);
     def_enum(settings, "transport", &Settings::transport, transport_names);
     def_enum(settings, "intersection", &Settings::intersection, intersection_names);
     def_enum(settings, "tir", &Settings::tir, tir_names);
@@ -405,6 +408,17 @@ void bind_renderer(py::module_& module) {
         .def_readonly("seconds", &Frame::seconds)
         .def_readonly("pass_seconds", &Frame::pass_seconds)
         .def_readonly("prepare_seconds", &Frame::prepare_seconds);
+
+    py::class_<TracedRenderer>(module, "TracedRenderer")
+        .def(py::init<>())
+        .def(
+            "render",
+            [](TracedRenderer& self, const Scene& scene, const Settings& settings,
+               const PythonProgress& progress) {
+                const py::gil_scoped_release release;
+                return self.render(scene, settings, progress_of(progress));
+            },
+            py::arg("scene"), py::arg("settings"), py::arg("progress") = py::none());
 
     // The destructor waits for the GL thread, which needs no GIL.
     py::class_<Renderer>(module, "Renderer")

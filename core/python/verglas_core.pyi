@@ -163,6 +163,10 @@ class Settings:
     """Whether the front reflection of materials with fresnel is part of the picture. Default True."""
     transparent: bool
     """Film without background: alpha 0 where no object is. Default False."""
+    max_interfaces: int
+    """Of TracedRenderer: how many a ray crosses; light beyond comes from the environment. Default 8."""
+    threads: int
+    """Of TracedRenderer: how many work; 0 (default): one for each core. The picture doesn't depend on it."""
     def __init__(self) -> None: ...
 
 class Frame:
@@ -205,6 +209,20 @@ class Renderer:
         """Waits for the picture, with the GIL released, and for those that other threads have asked for.
         progress(done, total) is called after each sample on the calling thread; when it returns False
         the render ends and None is returned."""
+
+class TracedRenderer:
+    """The CPU device: traces bundles of rays through the scene, and needs no OpenGL. Keeps what is costly to prepare:
+    trees of meshes, lobe tables, the environment's levels. Raises Error where Embree can't be started."""
+    def __init__(self) -> None: ...
+    def render(
+        self,
+        scene: Scene,
+        settings: Settings,
+        progress: Callable[[int, int], bool] | None = None,
+    ) -> Frame | None:
+        """As Renderer.render; transport, intersection and tir of the settings are the OpenGL device's.
+        One sample is a picture without noise, further ones converge to the path tracer's. progress(done, total)
+        is called at least every few dozen milliseconds. Picture and noise depend on scene and settings alone."""
 
 class RayScene:
     """The surfaces of a scene as it was given, for rays."""

@@ -45,6 +45,8 @@ struct Settings {
     Tir tir = Tir::Clamp;
     bool reflection = true;
     bool transparent = false;
+    int max_interfaces = 8;  // that a ray crosses, by TracedRenderer
+    int threads = 0;         // of TracedRenderer; 0: one for each core
 };
 
 }  // namespace verglas
