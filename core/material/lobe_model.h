@@ -10,7 +10,8 @@
 
 namespace verglas::model {
 
-// The part of shaders/lib that reads lobe tables, for C++. Any number of threads may look up at the same time.
+// The part of shaders/lib that reads lobe tables, for C++. Any number of threads may look up at the same
+// time.
 class LobeModel {
   public:
     explicit LobeModel(std::vector<LobeSlice> tables) : tables_(std::move(tables)) {}

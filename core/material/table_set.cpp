@@ -28,9 +28,8 @@ bool TableSet::update(const std::vector<Material>& materials) {
         const LobeEvent refraction = material.fresnel ? LobeEvent::Refract : LobeEvent::RefractWithout;
         std::vector<InterfaceTables>& tables = of_materials_.emplace_back();
         for (const float eta : relative_indices(material, materials)) {
-            tables.push_back(
-                {eta, slice_of(material.ndf, eta, refraction, keys),
-                 material.fresnel ? slice_of(material.ndf, eta, LobeEvent::Reflect, keys) : -1});
+            tables.push_back({eta, slice_of(material.ndf, eta, refraction, keys),
+                              material.fresnel ? slice_of(material.ndf, eta, LobeEvent::Reflect, keys) : -1});
         }
     }
     if (keys == keys_) return false;

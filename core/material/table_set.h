@@ -32,7 +32,8 @@ class TableSet {
 
     const std::vector<LobeSlice>& slices() const { return slices_; }
 
-    // The tables of a material at a relative index: one of those at which light can meet it, entering or leaving.
+    // The tables of a material at a relative index: one of those at which light can meet it, entering or
+    // leaving.
     const InterfaceTables& tables(int material, float eta) const;
 
   private:

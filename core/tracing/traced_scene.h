@@ -32,8 +32,8 @@ class TracedScene {
     // Light that arrives from outside under a lobe of the given spread about a unit direction in world space.
     glm::vec3 incoming_radiance(const glm::vec3& direction, float spread) const {
         return scene_->environment_color *
-               environment_->environment_radiance(
-                   glm::normalize(scene_->environment_rotation * direction), spread);
+               environment_->environment_radiance(glm::normalize(scene_->environment_rotation * direction),
+                                                  spread);
     }
 
     // Wall time of the parts of the last update(), as Frame::prepare_seconds.
