@@ -147,30 +147,52 @@ float RoughInterface::reflected_share(float o_m) const {
     return 0.0F;
 }
 
+// Where a facet sends light, seen from o; none where that isn't possible or lies on the other side of the
+// surface.
+std::optional<glm::vec3> RoughInterface::direction(const glm::vec3& o, const glm::vec3& m,
+                                                   Event event) const {
+    const float o_m = glm::dot(o, m);
+    if (o_m <= 0.0F) return std::nullopt;
+    if (event == Event::Reflect) {
+        const glm::vec3 i = 2.0F * o_m * m - o;
+        return i.z > 0.0F ? std::optional(glm::normalize(i)) : std::nullopt;
+    }
+    const float cos2_t = 1.0F - (1.0F - o_m * o_m) / (eta_ * eta_);
+    if (cos2_t <= 0.0F) return std::nullopt;
+    const glm::vec3 i = -o / eta_ + (o_m / eta_ - std::sqrt(cos2_t)) * m;
+    return i.z < 0.0F ? std::optional(glm::normalize(i)) : std::nullopt;
+}
+
+// f cos / pdf without F, and without the D and the Jacobian that both have.
+float RoughInterface::masking_weight(const glm::vec3& o, const glm::vec3& m, const glm::vec3& i) const {
+    const float masking = model::smith_masking(static_cast<int>(ndf_), alpha_, o.z) *
+                          model::smith_masking(static_cast<int>(ndf_), alpha_, std::abs(i.z));
+    return ndf_ == Ndf::BlinnPhong ? masking * glm::dot(o, m) / (o.z * m.z)
+                                   : masking / exact_masking(ndf_, alpha_, o.z);
+}
+
 std::optional<RoughInterface::Sample> RoughInterface::sample(const glm::vec3& o, glm::vec2 u,
                                                              float choice) const {
     if (o.z <= 0.0F) return std::nullopt;
     const glm::vec3 m = sample_normal(o, u);
     const float o_m = glm::dot(o, m);
     if (o_m <= 0.0F) return std::nullopt;
-    glm::vec3 i = 2.0F * o_m * m - o;
     const float share = reflected_share(o_m);
-    if (choice >= share) {
-        const float cos2_t = 1.0F - (1.0F - o_m * o_m) / (eta_ * eta_);
-        if (cos2_t <= 0.0F) return std::nullopt;
-        i = -o / eta_ + (o_m / eta_ - std::sqrt(cos2_t)) * m;
-        if (i.z >= 0.0F) return std::nullopt;
-    } else if (i.z <= 0.0F) {
-        return std::nullopt;
-    }
-    i = glm::normalize(i);
-    // f cos / pdf without the D and the Jacobian that both have.
-    const float masking = model::smith_masking(static_cast<int>(ndf_), alpha_, o.z) *
-                          model::smith_masking(static_cast<int>(ndf_), alpha_, std::abs(i.z));
-    float weight =
-        ndf_ == Ndf::BlinnPhong ? masking * o_m / (o.z * m.z) : masking / exact_masking(ndf_, alpha_, o.z);
-    if (i.z < 0.0F) weight *= (1.0F - fresnel(o_m)) / (1.0F - share);
-    return Sample{i, weight, evaluate(o, i).pdf};
+    const auto i = direction(o, m, choice < share ? Event::Reflect : Event::Refract);
+    if (!i) return std::nullopt;
+    float weight = masking_weight(o, m, *i);
+    if (i->z < 0.0F) weight *= (1.0F - fresnel(o_m)) / (1.0F - share);
+    return Sample{*i, weight, evaluate(o, *i).pdf};
+}
+
+std::optional<RoughInterface::Sample> RoughInterface::sample(const glm::vec3& o, glm::vec2 u,
+                                                             Event event) const {
+    if (o.z <= 0.0F) return std::nullopt;
+    const glm::vec3 m = sample_normal(o, u);
+    const auto i = direction(o, m, event);
+    if (!i) return std::nullopt;
+    const float F = fresnel(glm::dot(o, m));
+    return Sample{*i, masking_weight(o, m, *i) * (event == Event::Reflect ? F : 1.0F - F), 0.0F};
 }
 
 RoughInterface::Value RoughInterface::evaluate(const glm::vec3& o, const glm::vec3& i) const {

@@ -34,6 +34,11 @@ class RoughInterface {
     // 1)^2 for the facet; choice: in [0, 1) for reflection or refraction.
     std::optional<Sample> sample(const glm::vec3& o, glm::vec2 u, float choice) const;
 
+    enum class Event { Refract, Reflect };
+    // Draws a direction of one event: weight is then of that event alone, with its 1 - F or F, whatever
+    // `reflected` says; pdf is left 0. None where a facet is masked or lets nothing through.
+    std::optional<Sample> sample(const glm::vec3& o, glm::vec2 u, Event event) const;
+
     struct Value {
         float f_cos = 0.0F;  // f(o, i) |i.n|
         float pdf = 0.0F;    // with which sample() draws i
@@ -43,6 +48,8 @@ class RoughInterface {
   private:
     glm::vec3 sample_normal(const glm::vec3& o, glm::vec2 u) const;
     float normal_pdf(const glm::vec3& o, const glm::vec3& m) const;
+    std::optional<glm::vec3> direction(const glm::vec3& o, const glm::vec3& m, Event event) const;
+    float masking_weight(const glm::vec3& o, const glm::vec3& m, const glm::vec3& i) const;
     float fresnel(float o_m) const;
     float reflected_share(float o_m) const;
 

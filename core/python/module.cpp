@@ -309,6 +309,7 @@ void bind_settings(py::module_& module) {
     def_enum(settings, "transport", &Settings::transport, transport_names);
     def_enum(settings, "intersection", &Settings::intersection, intersection_names);
     def_enum(settings, "tir", &Settings::tir, tir_names);
+    def_enum(settings, "paths", &Settings::paths, path_mode_names);
 }
 
 using PythonProgress = std::optional<std::function<bool(int, int)>>;

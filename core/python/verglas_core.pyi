@@ -163,8 +163,11 @@ class Settings:
     """Whether the front reflection of materials with fresnel is part of the picture. Default True."""
     transparent: bool
     """Film without background: alpha 0 where no object is. Default False."""
+    paths: str
+    """Of TracedRenderer: 'FULL' (default) or 'TWO_INTERFACE', as PathSettings.mode, without total reflection."""
     max_interfaces: int
-    """Of TracedRenderer: how many a ray crosses; light beyond comes from the environment. Default 8."""
+    """Of TracedRenderer: how many a ray of the first sample crosses; light beyond comes from the environment.
+    Default 8."""
     threads: int
     """Of TracedRenderer: how many work; 0 (default): one for each core. The picture doesn't depend on it."""
     def __init__(self) -> None: ...

@@ -35,6 +35,12 @@ inline Rect rendered_rect(glm::ivec2 size, const std::optional<Rect>& region) {
     return region ? region->intersected(frame) : frame;
 }
 
+// Which light a tracer follows.
+enum class PathMode {
+    TwoInterface,  // enter, leave, and straight into the environment: what the paper compares with
+    Full,          // reflection, inner reflections, re-entry
+};
+
 struct Settings {
     glm::ivec2 size{512};
     std::optional<Rect> region;  // the part that is shaded and returned
@@ -45,8 +51,10 @@ struct Settings {
     Tir tir = Tir::Clamp;
     bool reflection = true;
     bool transparent = false;
-    int max_interfaces = 8;  // that a ray crosses, by TracedRenderer
-    int threads = 0;         // of TracedRenderer; 0: one for each core
+    // Of TracedRenderer.
+    PathMode paths = PathMode::Full;
+    int max_interfaces = 8;  // that a ray of the first sample crosses
+    int threads = 0;         // 0: one for each core
 };
 
 }  // namespace verglas

@@ -6,6 +6,10 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "core/material/microfacet.h"
+#include "core/math/frame.h"
+#include "core/math/pixel_filter.h"
+#include "core/math/sobol.h"
 #include "core/tracing/crossing.h"
 #include "core/tracing/media.h"
 
@@ -22,6 +26,20 @@ constexpr float least_weight = 0.004F;  // the greater of the two is followed ab
 // taken from nearly everywhere, less what these keep. Both measured on the same scenes, where they are flat.
 constexpr float cut_spread = 0.8F;
 constexpr float cut_share = 0.7F;
+
+// Drawn branches with less light than this are followed by chance, and then stand for as much.
+constexpr float least_drawn_weight = 0.02F;
+constexpr int max_drawn_interfaces = 64;  // longer paths end, as the path tracer's
+
+// Sharper distributions than this are beyond float; such glass is as good as clear.
+constexpr float min_alpha = 1e-4F;
+
+// Coordinates of a drawn ray's Sobol point: the front lobe's, then those of each further interface.
+constexpr int front_dimension = 2;
+constexpr int first_inner_dimension = 4;
+constexpr int inner_dimensions = 6;
+constexpr int chance_dimension = 2;      // of the three of an event
+constexpr int reflection_dimension = 3;  // the reflected branch has its own
 
 // A narrower front lobe is one ray: its four would land in the same pixels of anything.
 constexpr float least_bundle_spread = 1e-6F;
@@ -49,28 +67,55 @@ glm::vec3 on_side(const glm::vec3& d, const glm::vec3& side) {
     return cosine >= least_cosine ? d : glm::normalize(d + (least_cosine - cosine) * side);
 }
 
+std::uint64_t pixel_number(glm::ivec2 pixel, const Settings& settings) {
+    return std::uint64_t(pixel.y) * settings.size.x + pixel.x;
+}
+
+// The part of the last lobe's variance that a drawn direction brings; the rest is looked up. It grows, so
+// that the pictures' mean converges to that of whole drawn lobes.
+float drawn_part(int sample) { return 1.0F - 1.0F / std::cbrt(static_cast<float>(sample)); }
+
 }  // namespace
 
 // One ray and the lobe about it, on its way to a pixel.
 struct BundleTracer::Beam {
+    Ray ray;
     glm::vec3 weight;     // of the radiance that it brings
-    float spread = 0.0F;  // of the lobe, without the part that the bundle's four rays stand for
+    glm::vec3 axis;       // of the lobe that is looked up if the ray meets nothing more
+    float spread = 0.0F;  // of that lobe, without the part that the bundle's four rays stand for
     glm::ivec2 pixel;
+    int number = 0;      // of the bundle's ray, from 0
     int interfaces = 0;  // crossed
     MediumStack media;
 };
 
-// What an interface makes of a beam.
-struct BundleTracer::Branch {
-    model::Lobe lobe;
-    glm::vec3 weight;  // the beam's and the lobe's
-    bool reflected;
-    bool entering;  // whether the beam was
+// A beam at an interface that bends it.
+struct BundleTracer::Meeting {
+    Beam beam;  // with what the last medium has left of it
+    const Hit& hit;
+    const Material& material;
+    glm::vec3& radiance;  // of the pixel
+    bool entering;
+    glm::vec3 n;  // toward where the beam comes from
+    float roughness;
+    float eta;
 
-    bool stays_inside() const { return reflected != entering; }
+    glm::vec3 side(const Branch& branch) const;  // the triangle's normal, to where the branch goes
 };
 
-// Beams that have crossed the same number of interfaces, and their rays.
+// What an interface makes of a beam.
+struct BundleTracer::Branch {
+    bool reflected;
+    model::Lobe lobe;
+    glm::vec3 color;
+    glm::vec3 weight;  // the beam's, the lobe's and the colour
+};
+
+glm::vec3 BundleTracer::Meeting::side(const Branch& branch) const {
+    return branch.reflected == entering ? hit.geometric_normal : -hit.geometric_normal;
+}
+
+// Beams that have crossed the same number of interfaces.
 struct BundleTracer::Wave {
     std::vector<Beam> beams;
     std::vector<Ray> rays;
@@ -79,133 +124,207 @@ struct BundleTracer::Wave {
         beams.clear();
         rays.clear();
     }
-    void add(const Beam& beam, const Ray& ray) {
+    void add(const Beam& beam) {
         beams.push_back(beam);
-        rays.push_back(ray);
+        rays.push_back(beam.ray);
     }
 };
 
-BundleTracer::BundleTracer(const TracedScene& scene, const Settings& settings)
-    : scene_(scene), settings_(settings), camera_(scene.scene().camera, settings.size) {}
+glm::vec2 sample_offset(glm::ivec2 pixel, int sample, const Settings& settings) {
+    if (sample == 0) return glm::vec2(0.0F);
+    const SobolPoint point(pixel_number(pixel, settings), static_cast<std::uint32_t>(sample), 0);
+    return blackman_harris_offset(point.pair(0), settings.filter_width);
+}
+
+BundleTracer::BundleTracer(const TracedScene& scene, const Settings& settings, int sample)
+    : scene_(scene), settings_(settings), camera_(scene.scene().camera, settings.size), sample_(sample) {}
 
 void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {
     thread_local Wave wave;
     thread_local Wave next;
     thread_local std::vector<Hit> hits;
     wave.clear();
-    start(tile, picture, wave);
+    start(tile, wave);
     while (!wave.rays.empty()) {
         hits.resize(wave.rays.size());
         scene_.rays().intersect(wave.rays, hits);
         next.clear();
-        for (std::size_t i = 0; i < hits.size(); ++i)
-            meet(wave.beams[i], wave.rays[i], hits[i], picture, next);
+        for (std::size_t i = 0; i < hits.size(); ++i) {
+            const Beam& beam = wave.beams[i];
+            const std::size_t place = picture.place(beam.pixel.x, beam.pixel.y);
+            if (hits[i].object >= 0)
+                meet(beam, hits[i], picture, next);
+            else if (beam.interfaces > 0 || !settings_.transparent)
+                picture.radiance[place] += looked_up(beam);
+        }
         std::swap(wave, next);
     }
 }
 
-// A ray through the centre of each pixel.
-void BundleTracer::start(const Rect& tile, const TracedPicture&, Wave& wave) const {
-    Beam beam{.weight = glm::vec3(1.0F), .pixel = {}, .media = {}};
-    for (beam.pixel.y = tile.begin.y; beam.pixel.y < tile.end.y; ++beam.pixel.y)
-        for (beam.pixel.x = tile.begin.x; beam.pixel.x < tile.end.x; ++beam.pixel.x)
-            wave.add(beam, camera_.through(glm::vec2(beam.pixel) + 0.5F));
+void BundleTracer::start(const Rect& tile, Wave& wave) const {
+    Beam beam{};
+    beam.weight = glm::vec3(1.0F);
+    for (beam.pixel.y = tile.begin.y; beam.pixel.y < tile.end.y; ++beam.pixel.y) {
+        for (beam.pixel.x = tile.begin.x; beam.pixel.x < tile.end.x; ++beam.pixel.x) {
+            const glm::vec2 center = glm::vec2(beam.pixel) + 0.5F;
+            beam.ray = camera_.through(center + sample_offset(beam.pixel, sample_, settings_));
+            beam.axis = beam.ray.d;
+            wave.add(beam);
+        }
+    }
 }
 
-void BundleTracer::meet(const Beam& incoming, const Ray& ray, const Hit& hit, TracedPicture& picture,
-                        Wave& next) const {
-    const std::size_t place = picture.place(incoming.pixel.x, incoming.pixel.y);
-    glm::vec3& radiance = picture.radiance[place];
-    if (hit.object < 0) {
-        if (incoming.interfaces > 0 || !settings_.transparent)
-            radiance += incoming.weight *
-                        scene_.incoming_radiance(ray.d, std::max(incoming.spread, model::LOBE_MIN_SPREAD));
-        return;
-    }
+void BundleTracer::meet(const Beam& incoming, const Hit& hit, TracedPicture& picture, Wave& next) const {
     const Scene& scene = scene_.scene();
     const Material& material = scene.materials[hit.material];
-    const bool entering = is_entering(hit, ray.d);
-    const glm::vec3 n = facing_normal(hit, ray.d);
-    const float roughness = roughness_at(material, hit);
-    if (incoming.interfaces == 0 && picture.surfaces[place].object < 0)
-        picture.surfaces[place] = {hit.normal, camera_.depth(hit.position), hit.object,
-                                   model::alpha_from_roughness(roughness)};
+    const glm::vec3& d = incoming.ray.d;
+    Meeting meeting{.beam = incoming,
+                    .hit = hit,
+                    .material = material,
+                    .radiance = picture.radiance[picture.place(incoming.pixel.x, incoming.pixel.y)],
+                    .entering = is_entering(hit, d),
+                    .n = facing_normal(hit, d),
+                    .roughness = roughness_at(material, hit),
+                    .eta = 1.0F};
+    Surface& surface = picture.surfaces[picture.place(incoming.pixel.x, incoming.pixel.y)];
+    if (incoming.interfaces == 0 && surface.object < 0)
+        surface = {hit.normal, camera_.depth(hit.position), hit.object,
+                   model::alpha_from_roughness(meeting.roughness)};
 
-    Beam beam = incoming;
-    beam.weight *= beam.media.transmittance(scene, hit, entering);
-    const MediumStack::Interface interface = beam.media.interface(scene, hit, entering);
+    Beam& beam = meeting.beam;
+    beam.weight *= beam.media.transmittance(scene, hit, meeting.entering);
+    const MediumStack::Interface interface = beam.media.interface(scene, hit, meeting.entering);
     if (!interface.bends()) {
         if (interface.is_real) beam.weight *= material.color;
-        beam.media.cross(hit, entering);
-        if (++beam.interfaces <= settings_.max_interfaces) next.add(beam, {beside(hit, ray.d), ray.d});
+        beam.media.cross(hit, meeting.entering);
+        beam.ray.origin = beside(hit, d);
+        if (++beam.interfaces <= max_drawn_interfaces) next.add(beam);
         return;
     }
+    meeting.eta = interface.eta;
 
     const InterfaceTables& tables = scene_.tables(hit.material, interface.eta);
-    const bool reflects = settings_.reflection && tables.reflection >= 0;
-    Branch refracted{
-        scene_.lobes().refracted_lobe(tables.refraction, interface.eta, roughness, ray.d, n, model::TIR_NONE),
-        {},
-        false,
-        entering};
-    refracted.weight = beam.weight * refracted.lobe.energy * material.color;
-    Branch reflected{{}, glm::vec3(0.0F), true, entering};
-    if (reflects) {
-        reflected.lobe = scene_.lobes().reflected_lobe(tables.reflection, interface.eta, roughness, ray.d, n);
-        reflected.weight = beam.weight * reflected.lobe.energy * material.reflection_color;
-    }
+    Branch refracted{.reflected = false,
+                     .lobe = scene_.lobes().refracted_lobe(tables.refraction, interface.eta,
+                                                           meeting.roughness, d, meeting.n, model::TIR_NONE),
+                     .color = material.color,
+                     .weight = {}};
+    refracted.weight = beam.weight * refracted.lobe.energy * refracted.color;
+    const bool reflects = tables.reflection >= 0 && settings_.reflection && settings_.paths == PathMode::Full;
+    if (!reflects) return branch_off(meeting, refracted, true, next);
+    Branch reflected{.reflected = true,
+                     .lobe = scene_.lobes().reflected_lobe(tables.reflection, interface.eta,
+                                                           meeting.roughness, d, meeting.n),
+                     .color = material.reflection_color,
+                     .weight = {}};
+    reflected.weight = beam.weight * reflected.lobe.energy * reflected.color;
+    const bool refracts_more = greatest(refracted.weight) >= greatest(reflected.weight);
+    branch_off(meeting, refracted, refracts_more, next);
+    branch_off(meeting, reflected, !refracts_more, next);
+}
 
-    const bool goes_on = beam.interfaces < settings_.max_interfaces;
-    const float greater = std::max(greatest(refracted.weight), greatest(reflected.weight));
-    for (const Branch* branch : {&refracted, &reflected}) {
-        const float weight = greatest(branch->weight);
-        if (weight <= 0.0F) continue;
-        const bool followed = weight >= split_weight || (weight == greater && weight >= least_weight);
-        if (!goes_on || !followed)
-            radiance += cut_off(beam, *branch);
-        else if (beam.interfaces == 0 && !branch->reflected)
-            split_front(beam, hit, n, *branch, next);
-        else
-            follow(beam, hit, n, *branch, next);
+void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const {
+    const float weight = greatest(branch.weight);
+    if (weight <= 0.0F) return;
+    const Beam& beam = meeting.beam;
+    if (sample_ > 0) {
+        if (beam.interfaces < max_drawn_interfaces) draw(meeting, branch, next);
+        return;
     }
+    const bool is_followed = weight >= split_weight || (is_greater && weight >= least_weight);
+    if (!is_followed || beam.interfaces >= settings_.max_interfaces)
+        meeting.radiance += cut_off(meeting, branch);
+    else if (beam.interfaces == 0 && !branch.reflected && branch.lobe.spread >= least_bundle_spread)
+        split(meeting, branch, next);
+    else
+        follow(meeting, branch, next);
 }
 
 // Along the lobe's mean direction.
-void BundleTracer::follow(const Beam& beam, const Hit& hit, const glm::vec3&, const Branch& branch,
-                          Wave& next) const {
-    Beam outgoing = beam;
+void BundleTracer::follow(const Meeting& meeting, const Branch& branch, Wave& next) const {
+    Beam outgoing = meeting.beam;
     outgoing.weight = branch.weight;
-    outgoing.spread = joined_spread(beam.spread, branch.lobe.spread);
-    ++outgoing.interfaces;
-    if (!branch.reflected) outgoing.media.cross(hit, branch.entering);
-    const glm::vec3 side = branch.stays_inside() ? -hit.geometric_normal : hit.geometric_normal;
-    const glm::vec3 d = on_side(branch.lobe.direction, side);
-    next.add(outgoing, {beside(hit, d), d});
+    outgoing.spread = joined_spread(outgoing.spread, branch.lobe.spread);
+    outgoing.ray.d = outgoing.axis = on_side(branch.lobe.direction, meeting.side(branch));
+    send(meeting, branch, outgoing, next);
 }
 
 // Four rays in place of the lobe.
-void BundleTracer::split_front(const Beam& beam, const Hit& hit, const glm::vec3& n, const Branch& branch,
-                               Wave& next) const {
-    if (branch.lobe.spread < least_bundle_spread) return follow(beam, hit, n, branch, next);
-    Beam outgoing = beam;
+void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& next) const {
+    Beam outgoing = meeting.beam;
     outgoing.weight = branch.weight / static_cast<float>(model::BUNDLE_RAYS);
-    ++outgoing.interfaces;
-    outgoing.media.cross(hit, branch.entering);
-    const glm::vec3 side = branch.stays_inside() ? -hit.geometric_normal : hit.geometric_normal;
-    for (int i = 0; i < model::BUNDLE_RAYS; ++i) {
-        const glm::vec3 d =
-            on_side(model::bundle_ray(branch.lobe, n, turned(model::bundle_azimuth(i), beam.pixel)), side);
-        next.add(outgoing, {beside(hit, d), d});
+    for (outgoing.number = 0; outgoing.number < model::BUNDLE_RAYS; ++outgoing.number) {
+        const glm::vec2 azimuth = turned(model::bundle_azimuth(outgoing.number), outgoing.pixel);
+        outgoing.ray.d = outgoing.axis =
+            on_side(model::bundle_ray(branch.lobe, meeting.n, azimuth), meeting.side(branch));
+        send(meeting, branch, outgoing, next);
     }
 }
 
+// Directions from the microfacets: four of the front's refraction, else one, where little light is at stake
+// only by chance.
+void BundleTracer::draw(const Meeting& meeting, const Branch& branch, Wave& next) const {
+    Beam outgoing = meeting.beam;
+    if (outgoing.interfaces == 0 && !branch.reflected) {
+        for (outgoing.number = 0; outgoing.number < model::BUNDLE_RAYS; ++outgoing.number)
+            draw_ray(meeting, branch, 1.0F / static_cast<float>(model::BUNDLE_RAYS), outgoing, next);
+        return;
+    }
+    const float chance = std::min(greatest(branch.weight) / least_drawn_weight, 1.0F);
+    draw_ray(meeting, branch, 1.0F / chance, outgoing, next);
+}
+
+// share: of the branch that the ray stands for; above 1 where it is there by chance.
+void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, float share, Beam outgoing,
+                            Wave& next) const {
+    const SobolPoint point(pixel_number(outgoing.pixel, settings_),
+                           static_cast<std::uint32_t>(sample_ * model::BUNDLE_RAYS + outgoing.number), 0);
+    const int dimension = outgoing.interfaces == 0
+                              ? front_dimension
+                              : first_inner_dimension + (outgoing.interfaces - 1) * inner_dimensions +
+                                    (branch.reflected ? reflection_dimension : 0);
+    if (share > 1.0F && point[dimension + chance_dimension] * share >= 1.0F) return;
+
+    const float alpha = std::max(model::alpha_from_roughness(meeting.roughness), min_alpha);
+    const RoughInterface surface(meeting.material.ndf, alpha, meeting.eta, meeting.material.fresnel,
+                                 Reflected::All);
+    const glm::mat3 frame = frame_of(meeting.n);
+    const auto event = branch.reflected ? RoughInterface::Event::Reflect : RoughInterface::Event::Refract;
+    const auto facet = surface.sample(glm::transpose(frame) * -outgoing.ray.d, point.pair(dimension), event);
+    if (!facet) return;
+    outgoing.ray.d = frame * facet->direction;
+    // The side of the interpolated normal must be the triangle's.
+    if (glm::dot(outgoing.ray.d, meeting.side(branch)) <= 0.0F) return;
+    outgoing.weight *= share * facet->weight * branch.color;
+    const float drawn = drawn_part(sample_);
+    outgoing.axis = glm::normalize(glm::mix(branch.lobe.direction, outgoing.ray.d, std::sqrt(drawn)));
+    outgoing.spread = (1.0F - drawn) * branch.lobe.spread;
+    send(meeting, branch, outgoing, next);
+}
+
+void BundleTracer::send(const Meeting& meeting, const Branch& branch, const Beam& outgoing,
+                        Wave& next) const {
+    if (settings_.paths == PathMode::TwoInterface && !meeting.entering) {
+        meeting.radiance += looked_up(outgoing);
+        return;
+    }
+    next.add(outgoing);
+    Beam& sent = next.beams.back();
+    ++sent.interfaces;
+    if (!branch.reflected) sent.media.cross(meeting.hit, meeting.entering);
+    sent.ray.origin = next.rays.back().origin = beside(meeting.hit, sent.ray.d);
+}
+
+glm::vec3 BundleTracer::looked_up(const Beam& beam) const {
+    return beam.weight * scene_.incoming_radiance(beam.axis, std::max(beam.spread, model::LOBE_MIN_SPREAD));
+}
+
 // The light of a branch that isn't followed.
-glm::vec3 BundleTracer::cut_off(const Beam& beam, const Branch& branch) const {
-    const float spread = joined_spread(beam.spread, branch.lobe.spread);
-    if (!branch.stays_inside())
-        return branch.weight * scene_.incoming_radiance(branch.lobe.direction, spread);
-    return cut_share * branch.weight *
-           scene_.incoming_radiance(branch.lobe.direction, std::max(spread, cut_spread));
+glm::vec3 BundleTracer::cut_off(const Meeting& meeting, const Branch& branch) const {
+    const glm::vec3& d = branch.lobe.direction;
+    const float spread = joined_spread(meeting.beam.spread, branch.lobe.spread);
+    if (branch.reflected == meeting.entering) return branch.weight * scene_.incoming_radiance(d, spread);
+    return cut_share * branch.weight * scene_.incoming_radiance(d, std::max(spread, cut_spread));
 }
 
 }  // namespace verglas

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Traced bundles (method: 5.5): the four rays that stand for the front lobe of a pixel are followed from
 // interface to interface, each along the mean directions of the lobes that it meets, and end in the
-// prefiltered environment. No chance is involved, so there is no noise.
+// prefiltered environment. No chance is involved, so there is no noise. Further samples draw the four rays
+// and all later directions from the microfacets, and only the last lobe is still looked up.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -35,29 +36,40 @@ struct TracedPicture {
     std::vector<Surface> surfaces;
 };
 
+// Where sample `sample` of a pixel looks through the frame, from the pixel's centre, in pixels: distributed
+// like the pixel filter; the first sample looks through the centre.
+glm::vec2 sample_offset(glm::ivec2 pixel, int sample, const Settings& settings);
+
 class BundleTracer {
   public:
-    // Both must outlive it.
-    BundleTracer(const TracedScene& scene, const Settings& settings);
+    // Both must outlive it. sample: 0 is the picture without noise; further ones are drawn, each of them new,
+    // and their mean converges to what a path tracer finds.
+    BundleTracer(const TracedScene& scene, const Settings& settings, int sample);
 
     // Fills a part of the picture, which must lie within its region. By many threads at once.
     void trace(const Rect& tile, TracedPicture& picture) const;
 
   private:
     struct Beam;
+    struct Meeting;
     struct Branch;
     struct Wave;
 
-    void start(const Rect& tile, const TracedPicture& picture, Wave& wave) const;
-    void meet(const Beam& beam, const Ray& ray, const Hit& hit, TracedPicture& picture, Wave& next) const;
-    void follow(const Beam& beam, const Hit& hit, const glm::vec3& n, const Branch& branch, Wave& next) const;
-    void split_front(const Beam& beam, const Hit& hit, const glm::vec3& n, const Branch& branch,
-                     Wave& next) const;
-    glm::vec3 cut_off(const Beam& beam, const Branch& branch) const;
+    void start(const Rect& tile, Wave& wave) const;
+    void meet(const Beam& incoming, const Hit& hit, TracedPicture& picture, Wave& next) const;
+    void branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const;
+    void follow(const Meeting& meeting, const Branch& branch, Wave& next) const;
+    void split(const Meeting& meeting, const Branch& branch, Wave& next) const;
+    void draw(const Meeting& meeting, const Branch& branch, Wave& next) const;
+    void draw_ray(const Meeting& meeting, const Branch& branch, float share, Beam outgoing, Wave& next) const;
+    void send(const Meeting& meeting, const Branch& branch, const Beam& outgoing, Wave& next) const;
+    glm::vec3 looked_up(const Beam& beam) const;
+    glm::vec3 cut_off(const Meeting& meeting, const Branch& branch) const;
 
     const TracedScene& scene_;
     const Settings& settings_;
     CameraRays camera_;
+    int sample_;
 };
 
 }  // namespace verglas

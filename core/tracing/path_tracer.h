@@ -13,11 +13,6 @@
 
 namespace verglas {
 
-enum class PathMode {
-    TwoInterface,  // enter, leave, and straight into the environment: what the paper compares with
-    Full,          // reflection, inner reflections, re-entry
-};
-
 struct PathSettings {
     glm::ivec2 size{512};
     std::optional<Rect> region;  // the part that is rendered and returned

@@ -83,7 +83,7 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
 
     const Clock::time_point begin = Clock::now();
     TracedPicture picture(rendered_rect(settings.size, settings.region));
-    const BundleTracer tracer(scene_, settings);
+    const BundleTracer tracer(scene_, settings, 0);
     const std::vector<Rect> tiles = tiles_of(picture.rect);
     const bool done = in_batches(
         arena, static_cast<int>(tiles.size()), [&](int i) { tracer.trace(tiles[i], picture); },
