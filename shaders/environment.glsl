@@ -8,21 +8,21 @@ const int MAX_ENVIRONMENT_LEVELS = 32;
 
 uniform sampler2D environment_map;
 uniform sampler2D environment_atlas;
-uniform vec3 environment_levels[MAX_ENVIRONMENT_LEVELS];  // columns, intervals between rows, first row
+// Columns, intervals between rows, first row, spread of the Gaussian.
+uniform vec4 environment_levels[MAX_ENVIRONMENT_LEVELS];
 uniform int environment_level_count;
-uniform float environment_sharpest_kappa;
 uniform vec3 environment_color;      // factor on the map
 uniform mat3 view_to_environment;    // camera space -> the map's frame
 
 vec3 sample_environment_map(vec2 uv) { return textureLod(environment_map, uv, 0.0).rgb; }
 
 vec3 sample_environment_level(int level, vec2 uv) {
-    vec3 lattice = environment_levels[level];
+    vec4 lattice = environment_levels[level];
     vec2 texel = vec2(uv.x * lattice.x, uv.y * lattice.y + lattice.z) + 0.5;
     return textureLod(environment_atlas, texel / vec2(textureSize(environment_atlas, 0)), 0.0).rgb;
 }
 
-float environment_kappa_0() { return environment_sharpest_kappa; }
+float environment_spread(int level) { return environment_levels[level].w; }
 
 int environment_last_level() { return environment_level_count - 1; }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstring>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -16,30 +17,50 @@ namespace verglas::model {
 class EnvironmentModel {
   public:
     explicit EnvironmentModel(std::shared_ptr<const FilteredEnvironmentMap> environment)
-        : environment_(std::move(environment)) {}
+        : environment_(std::move(environment)) {
+        for (const EnvironmentLattice& lattice : environment_->levels)
+            levels_.push_back({lattice.texels.data(), lattice.level.columns, lattice.level.intervals,
+                               spread_from_kappa(lattice.level.kappa)});
+    }
 
     // Mean radiance under a lobe of the given spread, 0 … 1, about a unit direction in the map's frame.
     vec3 environment_radiance(const vec3& direction, float spread) const {
-        return Lookup{*environment_}.environment_radiance(direction, spread);
+        return Lookup{*environment_->map, levels_}.environment_radiance(direction, spread);
     }
 
   private:
+    struct Level {
+        const vec4* texels;
+        int columns;
+        int intervals;
+        float spread;
+    };
+
+    // In one register, where compilers take a vec4 apart once its last component isn't asked for.
+    using Float4 [[gnu::vector_size(16)]] = float;
+    static Float4 load(const vec4& v) {
+        Float4 result;
+        std::memcpy(&result, &v, sizeof(result));
+        return result;
+    }
+
     // Its functions aren't const, for which GLSL has no word.
     struct Lookup {
-        const FilteredEnvironmentMap& environment;
+        const EnvironmentMap& map;
+        const std::vector<Level>& levels;
 
         // Bilinear, as GL_LINEAR with GL_REPEAT across and GL_CLAMP_TO_EDGE upward.
         vec3 sample_environment_map(vec2 uv) const {
-            const int width = environment.map->width();
-            const int height = environment.map->height();
+            const int width = map.width();
+            const int height = map.height();
             const float x = uv.x * static_cast<float>(width) - 0.5F;
             const float y = uv.y * static_cast<float>(height) - 0.5F;
-            const int i = static_cast<int>(floor(x));
-            const int j = static_cast<int>(floor(y));
+            const int i = static_cast<int>(x + 1.0F) - 1;  // floor: both are at least -1/2
+            const int j = static_cast<int>(y + 1.0F) - 1;
             const int left = i < 0 ? width - 1 : std::min(i, width - 1);
             const int right = left + 1 < width ? left + 1 : 0;
-            const vec3* lower = &environment.map->pixels()[std::size_t(std::max(j, 0)) * width];
-            const vec3* upper = &environment.map->pixels()[std::size_t(std::min(j + 1, height - 1)) * width];
+            const vec3* lower = &map.pixels()[std::size_t(std::max(j, 0)) * width];
+            const vec3* upper = &map.pixels()[std::size_t(std::min(j + 1, height - 1)) * width];
             const float t = x - static_cast<float>(i);
             return mix(mix(lower[left], lower[right], t), mix(upper[left], upper[right], t),
                        y - static_cast<float>(j));
@@ -47,25 +68,29 @@ class EnvironmentModel {
 
         // Bilinear, with texels at the corners of the lattice.
         vec3 sample_environment_level(int level, vec2 uv) const {
-            const EnvironmentLattice& lattice = environment.levels[level];
-            const float x = uv.x * static_cast<float>(lattice.level.columns);
-            const float y = uv.y * static_cast<float>(lattice.level.intervals);
-            const int i = std::clamp(static_cast<int>(x), 0, lattice.level.columns - 1);
-            const int j = std::clamp(static_cast<int>(y), 0, lattice.level.intervals - 1);
-            const vec4* lower = lattice.row(j) + i;
-            const vec4* upper = lattice.row(j + 1) + i;
-            const float t = x - static_cast<float>(i);
-            return vec3(
-                mix(mix(lower[0], lower[1], t), mix(upper[0], upper[1], t), y - static_cast<float>(j)));
+            const Level& lattice = levels[level];
+            const float x = uv.x * static_cast<float>(lattice.columns);
+            const float y = uv.y * static_cast<float>(lattice.intervals);
+            const int i = std::clamp(static_cast<int>(x), 0, lattice.columns - 1);
+            const int j = std::clamp(static_cast<int>(y), 0, lattice.intervals - 1);
+            const vec4* lower = lattice.texels + std::ptrdiff_t(j) * (lattice.columns + 1) + i;
+            const vec4* upper = lower + lattice.columns + 1;
+            const float s = x - static_cast<float>(i);
+            const float t = y - static_cast<float>(j);
+            const Float4 below = load(lower[0]) + s * (load(lower[1]) - load(lower[0]));
+            const Float4 above = load(upper[0]) + s * (load(upper[1]) - load(upper[0]));
+            const Float4 sample = below + t * (above - below);
+            return {sample[0], sample[1], sample[2]};
         }
 
-        float environment_kappa_0() const { return environment.levels.front().level.kappa; }
-        int environment_last_level() const { return static_cast<int>(environment.levels.size()) - 1; }
+        float environment_spread(int level) const { return levels[level].spread; }
+        int environment_last_level() const { return static_cast<int>(levels.size()) - 1; }
 
 #include "shaders/lib/environment_lookup.glsl"
     };
 
     std::shared_ptr<const FilteredEnvironmentMap> environment_;
+    std::vector<Level> levels_;
 };
 
 }  // namespace verglas::model

@@ -4,6 +4,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <cmath>
 #include <glm/gtc/constants.hpp>
 #include <numeric>
 #include <utility>
@@ -19,10 +21,12 @@ class KernelWeights {
   public:
 #include "shaders/lib/environment_filter.glsl"
 
-    void clear() { weights_.clear(); }
+    void clear() {
+        first_ = 0;
+        weights_.clear();
+    }
     int first() const { return first_; }
-    int count() const { return static_cast<int>(weights_.size()); }
-    float operator[](int i) const { return weights_[i]; }
+    const std::vector<float>& values() const { return weights_; }
 
   private:
     void add_block(int block, float weight) {
@@ -42,35 +46,36 @@ namespace {
 using glm::vec2;
 using glm::vec4;
 
-// Blocks of a row of a source, around the sphere.
-struct Blocks {
+// A row of a source, whose blocks are summed around the sphere.
+struct BlockRow {
     const vec4* texels;
-    int size;  // texels from one block to the next
-    int count;
+    int block_size;  // texels from one block to the next
+    int blocks;
 
-    // The sum of the blocks from `first` on, which may lie a turn off.
-    vec4 weighed(const model::KernelWeights& weights, int first) const {
+    // The sum of weights from the block `first` on, -blocks … 2 blocks.
+    vec4 weighted_sum(const std::vector<float>& weights, int first) const {
+        const int begin = first < 0 ? first + blocks : first < blocks ? first : first - blocks;
+        const int until_seam = std::min(static_cast<int>(weights.size()), blocks - begin);
+        const float* seam = weights.data() + until_seam;
+        return weighted_sum(weights.data(), seam, begin) +
+               weighted_sum(seam, weights.data() + weights.size(), 0);
+    }
+
+  private:
+    vec4 weighted_sum(const float* weight, const float* end, int block) const {
         vec4 sum(0.0F);
-        if (first >= 0 && first + weights.count() <= count) {
-            const vec4* texel = texels + std::ptrdiff_t(first) * size;
-            for (int i = 0; i < weights.count(); ++i) sum += weights[i] * texel[std::ptrdiff_t(i) * size];
-        } else {
-            int block = (first + count) % count;
-            for (int i = 0; i < weights.count(); ++i) {
-                sum += weights[i] * texels[std::ptrdiff_t(block) * size];
-                block = block + 1 < count ? block + 1 : 0;
-            }
-        }
+        const vec4* texel = texels + std::ptrdiff_t(block) * block_size;
+        for (; weight != end; ++weight, texel += block_size) sum += *weight * *texel;
         return sum;
     }
 };
 
 // Adds what every target of a row, at the angle given by half_angle, gathers from a band. Targets and blocks
-// meet in a pattern that comes again after columns / gcd(columns, blocks) targets: so do the weights.
+// lie to each other in a pattern that repeats, and so do the weights.
 void add_band(std::vector<vec4>& sums, vec2 half_angle, const EnvironmentSource& source,
-              const EnvironmentBand& band, const Blocks& blocks, model::KernelWeights& weights) {
+              const EnvironmentBand& band, const BlockRow& row, model::KernelWeights& weights) {
     const int columns = static_cast<int>(sums.size());
-    const int repeats = std::gcd(columns, blocks.count);
+    const int repeats = std::gcd(columns, row.blocks);
     const int period = columns / repeats;
     const float reach = weights.kernel_reach(source.kappa);
     for (int phase = 0; phase < period; ++phase) {
@@ -80,10 +85,8 @@ void add_band(std::vector<vec4>& sums, vec2 half_angle, const EnvironmentSource&
         if (!weights.add_band(half_angle, azimuth, reach, band.place, band.source.y, source.block_center))
             return;
         int first = weights.first();
-        for (int column = phase; column < columns; column += period) {
-            sums[column] += blocks.weighed(weights, first);
-            first += blocks.count / repeats;
-        }
+        for (int column = phase; column < columns; column += period, first += row.blocks / repeats)
+            sums[column] += row.weighted_sum(weights.values(), first);
     }
 }
 
@@ -102,10 +105,10 @@ EnvironmentLattice filter_level(const EnvironmentLevel& level, const Environment
                 const vec2 half_angle(std::sin(0.5F * angle), std::cos(0.5F * angle));
                 std::fill(sums.begin(), sums.end(), vec4(0.0F));
                 for (const EnvironmentBand& band : source.bands) {
-                    const int count = static_cast<int>(band.place.w);
-                    const Blocks blocks{texels + std::ptrdiff_t(band.source.x) * stride,
-                                        source.columns / count, count};
-                    add_band(sums, half_angle, source, band, blocks, weights);
+                    const int blocks = static_cast<int>(band.place.w);
+                    const BlockRow source_row{texels + std::ptrdiff_t(band.source.x) * stride,
+                                              source.columns / blocks, blocks};
+                    add_band(sums, half_angle, source, band, source_row, weights);
                 }
                 vec4* target = &lattice.texels[std::size_t(row) * (level.columns + 1)];
                 for (int column = 0; column < level.columns; ++column)

@@ -25,8 +25,8 @@ struct FilteredEnvironmentMap {
 };
 
 // Prefilters a map with all threads of TBB's current arena; may be called from any thread. The levels are
-// those of EnvironmentFilter and don't depend on the number of threads. Takes about 0.1 s of two cores, and
-// 20 MB, for a map 1024 texels wide, four times that for one of 2048 and more.
+// those of EnvironmentFilter, whatever the number of threads. A map 1024 texels wide takes 0.3 s of one core
+// and 20 MB of levels, one of 2048 and more 1.5 s and 80 MB. map: not null; kept as it is, whatever its size.
 std::shared_ptr<const FilteredEnvironmentMap> filter_environment(std::shared_ptr<const EnvironmentMap> map);
 
 }  // namespace verglas

@@ -26,11 +26,7 @@ void append_file(std::string_view path, std::set<std::string, std::less<>>& seen
 }
 
 GLuint compile(GLenum stage, std::string_view file, const std::vector<std::string>& defines) {
-    std::string text = "#version 450 core\n#define SHARED\n";
-    for (const std::string& define : defines) text += "#define " + define + "\n";
-    std::set<std::string, std::less<>> seen;
-    append_file(file, seen, text);
-
+    const std::string text = full_source(file, defines);
     const GLuint shader = glCreateShader(stage);
     const char* pointer = text.c_str();
     glShaderSource(shader, 1, &pointer, nullptr);
@@ -47,6 +43,14 @@ GLuint compile(GLenum stage, std::string_view file, const std::vector<std::strin
 }
 
 }  // namespace
+
+std::string full_source(std::string_view file, const std::vector<std::string>& defines) {
+    std::string text = "#version 450 core\n#define SHARED\n";
+    for (const std::string& define : defines) text += "#define " + define + "\n";
+    std::set<std::string, std::less<>> seen;
+    append_file(file, seen, text);
+    return text;
+}
 
 Program::Program(std::string_view vertex_file, std::string_view fragment_file,
                  const std::vector<std::string>& defines)

@@ -14,12 +14,15 @@ namespace verglas::gl {
 
 inline void delete_program(GLuint id) { glDeleteProgram(id); }
 
-// A linked program from files below shaders/. `#include "path"` in them is relative to shaders/; every file
-// is taken once. Throws Error with the file and the compiler's log.
+// What the driver compiles for a file below shaders/. `#include "path"` is relative to shaders/; every file
+// is taken once. defines: lines such as "TRANSPORT_BUNDLE", each becomes `#define TRANSPORT_BUNDLE`.
+std::string full_source(std::string_view file, const std::vector<std::string>& defines = {});
+
+// A linked program from files below shaders/. Throws Error with the file and the compiler's log.
 class Program : public Handle<delete_program> {
   public:
     Program() = default;
-    // defines: lines such as "TRANSPORT_BUNDLE", each becomes `#define TRANSPORT_BUNDLE`.
+    // defines: as for full_source.
     Program(std::string_view vertex_file, std::string_view fragment_file,
             const std::vector<std::string>& defines = {});
 

@@ -45,10 +45,10 @@ void set_environment(const gl::Program& program, const ShadingInputs& inputs) {
     for (std::size_t l = 0; l < environment.levels.size(); ++l) {
         const EnvironmentLevel& level = environment.levels[l];
         program.set(("environment_levels[" + std::to_string(l) + "]").c_str(),
-                    glm::vec3(level.columns, level.intervals, level.first_row));
+                    glm::vec4(level.columns, level.intervals, level.first_row,
+                              model::spread_from_kappa(level.kappa)));
     }
     program.set("environment_level_count", static_cast<int>(environment.levels.size()));
-    program.set("environment_sharpest_kappa", environment.levels.front().kappa);
     program.set("environment_color", inputs.scene.environment_color);
     program.set("view_to_environment",
                 inputs.scene.environment_rotation * glm::transpose(glm::mat3(inputs.view.view)));

@@ -8,11 +8,31 @@
 
 const float ENVIRONMENT_LEVEL_RATIO = 2.0f;
 
+// Angle of the point (x, y) from the x axis, 0 … PI for y >= 0, and 0 for (0, 0). The odd polynomial is the minimax
+// approximation of atan on 0 … 1, within 3e-7: GLSL leaves the precision of its own functions open, and C++'s take
+// most of the time of a lookup.
+SHARED float angle_from_axis(float x, float y) {
+    float longer = max(abs(x), y);
+    float t = min(abs(x), y) / max(longer, 1e-30f);
+    float s = t * t;
+    float angle = 0.006811784f;
+    angle = angle * s - 0.033604193f;
+    angle = angle * s + 0.079623642f;
+    angle = angle * s - 0.132333404f;
+    angle = angle * s + 0.198078151f;
+    angle = angle * s - 0.333173680f;
+    angle = (angle * s + 0.999996112f) * t;
+    if (abs(x) < y) angle = 0.5f * PI - angle;
+    return x < 0.0f ? PI - angle : angle;
+}
+
 // Equirectangular coordinates of a unit direction, as Blender's: u in 0 … 1, 1/2 along +X, falling toward +Y;
 // v from 0 at -Z to 1 at +Z.
 SHARED vec2 environment_uv(vec3 direction) {
-    float azimuth = direction.x == 0.0f && direction.y == 0.0f ? 0.0f : atan(direction.y, direction.x);
-    return vec2(0.5f - azimuth / (2.0f * PI), 1.0f - acos(clamp(direction.z, -1.0f, 1.0f)) / PI);
+    float azimuth = angle_from_axis(direction.x, abs(direction.y));
+    float sine = sqrt(direction.x * direction.x + direction.y * direction.y);
+    return vec2(0.5f - (direction.y < 0.0f ? -azimuth : azimuth) * (0.5f / PI),
+                1.0f - angle_from_axis(direction.z, sine) * (1.0f / PI));
 }
 
 // Inverse of environment_uv.
@@ -20,16 +40,4 @@ SHARED vec3 environment_direction(vec2 uv) {
     float azimuth = (0.5f - uv.x) * 2.0f * PI;
     float theta = (1.0f - uv.y) * PI;
     return vec3(sin(theta) * cos(azimuth), sin(theta) * sin(azimuth), cos(theta));
-}
-
-// Position between levels for a lobe: the whole part is the level, the fraction weighs the next one. Between
-// two levels radiance is interpolated linearly in spread, the variance of a narrow lobe, in which diffusion
-// is linear to first order.
-SHARED float environment_level(float spread, float kappa_0, float last_level) {
-    float log_ratio = log2(ENVIRONMENT_LEVEL_RATIO);
-    float level = clamp(log2(kappa_0 / kappa_from_spread(spread)) / log_ratio, 0.0f, last_level);
-    float sharper = min(floor(level), last_level - 1.0f);
-    float spread_0 = spread_from_kappa(kappa_0 * exp2(-log_ratio * sharper));
-    float spread_1 = spread_from_kappa(kappa_0 * exp2(-log_ratio * (sharper + 1.0f)));
-    return sharper + clamp((spread - spread_0) / (spread_1 - spread_0), 0.0f, 1.0f);
 }

@@ -18,9 +18,11 @@ SHARED bool add_band(vec2 half_angle, float azimuth, float reach, vec4 place, fl
     if (remaining < 0.0f) return false;
     float sines = 4.0f * half_angle.x * half_angle.y * place.x * place.y;
     float block_width = 2.0f * PI / place.w;
-    float reach_azimuth = 2.0f * asin(sqrt(min(remaining / max(sines, 1e-12f), 1.0f)));
+    bool whole_ring = remaining >= sines;
+    float reach_azimuth = whole_ring ? PI : 2.0f * asin(sqrt(remaining / sines));
     int first = int(ceil((azimuth - reach_azimuth) / block_width - block_center));
-    int last = min(int(floor((azimuth + reach_azimuth) / block_width - block_center)), first + int(place.w) - 1);
+    int last = first + int(place.w) - 1;
+    if (!whole_ring) last = min(int(floor((azimuth + reach_azimuth) / block_width - block_center)), last);
     // sin((u' - u) / 2) by rotation from block to block.
     float start = 0.5f * ((float(first) + block_center) * block_width - azimuth);
     vec2 turn = vec2(sin(start), cos(start));

@@ -2,17 +2,27 @@
 // Radiance of the prefiltered environment. The including code provides, with u and v of environment_uv,
 //     vec3 sample_environment_map(vec2 uv)
 //     vec3 sample_environment_level(int level, vec2 uv)
-//     float environment_kappa_0()
+//     float environment_spread(int level)    // of its Gaussian; at least two levels
 //     int environment_last_level()
 
-// Mean radiance under a lobe of the given spread about a unit direction (in the map's frame).
+// The level whose Gaussian is the widest that isn't wider than the lobe; never the last one. Spreads of narrow
+// Gaussians grow by ENVIRONMENT_LEVEL_RATIO from level to level, those of wide ones by less.
+SHARED int sharper_level(float spread) {
+    int last = environment_last_level() - 1;
+    int level = min(int(log2(spread / environment_spread(0)) / log2(ENVIRONMENT_LEVEL_RATIO)), last);
+    while (level < last && environment_spread(level + 1) <= spread) ++level;
+    return level;
+}
+
+// Mean radiance under a lobe of the given spread about a unit direction (in the map's frame). Between two levels
+// it is interpolated linearly in spread, the variance of a narrow lobe, in which diffusion is linear to first order.
 SHARED vec3 environment_radiance(vec3 direction, float spread) {
     vec2 uv = environment_uv(direction);
-    float spread_0 = spread_from_kappa(environment_kappa_0());
+    float spread_0 = environment_spread(0);
     if (spread < spread_0)
         return mix(sample_environment_map(uv), sample_environment_level(0, uv), spread / spread_0);
-    float level = environment_level(spread, environment_kappa_0(), float(environment_last_level()));
-    int sharper = min(int(level), environment_last_level() - 1);
-    return mix(sample_environment_level(sharper, uv), sample_environment_level(sharper + 1, uv),
-               level - float(sharper));
+    int level = sharper_level(spread);
+    float sharper = environment_spread(level);
+    float t = (spread - sharper) / (environment_spread(level + 1) - sharper);
+    return mix(sample_environment_level(level, uv), sample_environment_level(level + 1, uv), clamp(t, 0.0f, 1.0f));
 }

@@ -2,18 +2,23 @@
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <glm/gtc/constants.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <iostream>
 #include <limits>
 #include <random>
 #include <utility>
 
+#include "core/environment/environment_model.h"
+#include "core/environment/filtered_map.h"
 #include "core/error.h"
+#include "core/gl/program.h"
 #include "core/gl/thread.h"
 #include "core/material/model.h"
 #include "core/passes/environment_filter.h"
@@ -24,48 +29,65 @@ namespace {
 
 using glm::dvec3;
 using glm::vec3;
+using glm::vec4;
 
 gl::Thread& gl_thread() {
     static gl::Thread thread;
     return thread;
 }
 
-struct Lattice {
-    EnvironmentLevel level;
-    std::vector<glm::vec4> texels;  // (columns + 1) x (intervals + 1)
+const vec4& texel(const EnvironmentLattice& lattice, int x, int y) {
+    return lattice.texels[std::size_t(y) * (lattice.level.columns + 1) + x];
+}
 
-    const glm::vec4& at(int x, int y) const { return texels[std::size_t(y) * (level.columns + 1) + x]; }
-    vec3 direction(int x, int y) const {
-        return model::environment_direction(
-            {float(x) / float(level.columns), float(y) / float(level.intervals)});
-    }
-};
+vec3 direction(const EnvironmentLevel& level, int x, int y) {
+    return model::environment_direction({float(x) / float(level.columns), float(y) / float(level.intervals)});
+}
 
+// The levels of one device.
 struct Filtered {
-    std::vector<Lattice> levels;
+    const char* device;
+    std::vector<EnvironmentLattice> levels;
     double seconds;
 };
 
-Filtered filter(const std::shared_ptr<const EnvironmentMap>& map) {
+template <typename Work>
+double seconds_of(Work work) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+Filtered filter_by_opengl(const std::shared_ptr<const EnvironmentMap>& map) {
     return gl_thread().run([&] {
         const EnvironmentFilter filter;
-        glFinish();
-        const auto begin = std::chrono::steady_clock::now();
-        const FilteredEnvironment filtered = filter.filter(map);
-        glFinish();
-        Filtered result;
-        result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        FilteredEnvironment filtered;
+        Filtered result{"OpenGL", {}, 0.0};
+        result.seconds = seconds_of([&] {
+            filtered = filter.filter(map);
+            glFinish();
+        });
         for (const EnvironmentLevel& level : filtered.levels) {
-            Lattice lattice{level, {}};
+            EnvironmentLattice lattice{level, {}};
             lattice.texels.resize(std::size_t(level.columns + 1) * (level.intervals + 1));
             glGetTextureSubImage(filtered.atlas.id(), 0, 0, level.first_row, 0, level.columns + 1,
                                  level.intervals + 1, 1, GL_RGBA, GL_FLOAT,
-                                 static_cast<GLsizei>(lattice.texels.size() * sizeof(glm::vec4)),
+                                 static_cast<GLsizei>(lattice.texels.size() * sizeof(vec4)),
                                  lattice.texels.data());
             result.levels.push_back(std::move(lattice));
         }
         return result;
     });
+}
+
+Filtered filter_by_cpu(const std::shared_ptr<const EnvironmentMap>& map) {
+    Filtered result{"CPU", {}, 0.0};
+    result.seconds = seconds_of([&] { result.levels = filter_environment(map)->levels; });
+    return result;
+}
+
+std::array<Filtered, 2> filter(const std::shared_ptr<const EnvironmentMap>& map) {
+    return {filter_by_opengl(map), filter_by_cpu(map)};
 }
 
 double solid_angle(const EnvironmentMap& map, int y) {
@@ -112,6 +134,8 @@ dvec3 brute_force(const EnvironmentMap& map, double kappa, const vec3& direction
     return kappa / (2.0 * glm::pi<double>() * (1.0 - std::exp(-2.0 * kappa))) * sum;
 }
 
+double greatest(const dvec3& v) { return std::max({v.x, v.y, v.z}); }
+
 double luminance(const dvec3& rgb) { return (rgb.r + rgb.g + rgb.b) / 3.0; }
 
 struct Difference {
@@ -130,39 +154,44 @@ glm::ivec2 draw_texel(const EnvironmentLevel& level, const vec3* focus, std::mt1
     return {std::lround(uv.x * float(level.columns)), std::lround(uv.y * float(level.intervals))};
 }
 
-// Compares a level with the truth at random texels.
-Difference compare(const Lattice& lattice, const EnvironmentMap& map, int count, const vec3* focus,
-                   std::mt19937& random) {
-    double maximum = 0.0;
-    for (const glm::vec4& texel : lattice.texels) maximum = std::max(maximum, luminance(dvec3(texel)));
+// Compares a level of all devices with the truth at random texels.
+template <std::size_t devices>
+std::array<Difference, devices> compare(const std::array<Filtered, devices>& filtered, std::size_t level,
+                                        const EnvironmentMap& map, int count, const vec3* focus,
+                                        std::mt19937& random) {
+    const EnvironmentLevel& plan = filtered[0].levels[level].level;
     std::vector<glm::ivec2> places;
-    for (int i = 0; i < count; ++i) places.push_back(draw_texel(lattice.level, focus, random));
-    std::vector<Difference> each(count);
+    for (int i = 0; i < count; ++i) places.push_back(draw_texel(plan, focus, random));
+    std::vector<double> truths(count);
     tbb::parallel_for(0, count, [&](int i) {
-        const auto [x, y] = std::pair(places[i].x, places[i].y);
-        const double truth = luminance(brute_force(map, lattice.level.kappa, lattice.direction(x, y)));
-        const double difference = std::abs(luminance(dvec3(lattice.at(x, y))) - truth);
-        each[i] = {difference / std::max(truth, 1e-6), difference / maximum};
+        truths[i] = luminance(brute_force(map, plan.kappa, direction(plan, places[i].x, places[i].y)));
     });
-    Difference result{0.0, 0.0};
-    for (const Difference& d : each) {
-        result.mean_relative += d.mean_relative / count;
-        result.of_maximum = std::max(result.of_maximum, d.of_maximum);
+    std::array<Difference, devices> result{};
+    for (std::size_t d = 0; d < devices; ++d) {
+        const EnvironmentLattice& lattice = filtered[d].levels[level];
+        double maximum = 0.0;
+        for (const vec4& value : lattice.texels) maximum = std::max(maximum, luminance(dvec3(value)));
+        for (int i = 0; i < count; ++i) {
+            const double difference =
+                std::abs(luminance(dvec3(texel(lattice, places[i].x, places[i].y))) - truths[i]);
+            result[d].mean_relative += difference / std::max(truths[i], 1e-6) / count;
+            result[d].of_maximum = std::max(result[d].of_maximum, difference / maximum);
+        }
     }
     return result;
 }
 
 // Trapezoid rule over rows; the integrand f(a) sin(a) has a corner at the poles, where the first term of
 // Euler and Maclaurin's formula, step^2 / 12 f, joins it.
-double integral(const Lattice& lattice) {
+double integral(const EnvironmentLattice& lattice) {
     double sum = 0.0;
     const double step = glm::pi<double>() / lattice.level.intervals;
     for (int y = 0; y <= lattice.level.intervals; ++y) {
         const bool pole = y == 0 || y == lattice.level.intervals;
         const double weight = pole ? step * step / 12.0 : step * std::sin(step * y);
         for (int x = 0; x < lattice.level.columns; ++x)
-            sum +=
-                luminance(dvec3(lattice.at(x, y))) * weight * 2.0 * glm::pi<double>() / lattice.level.columns;
+            sum += luminance(dvec3(texel(lattice, x, y))) * weight * 2.0 * glm::pi<double>() /
+                   lattice.level.columns;
     }
     return sum;
 }
@@ -176,10 +205,28 @@ double integral(const EnvironmentMap& map) {
     return sum;
 }
 
-void expect_integrals_kept(const Filtered& filtered, const EnvironmentMap& map) {
+void print_seconds(const std::array<Filtered, 2>& filtered) {
+    for (const Filtered& device : filtered) std::cout << device.device << " " << device.seconds << " s  ";
+    std::cout << "\n";
+}
+
+void expect_integrals_kept(const std::array<Filtered, 2>& filtered, const EnvironmentMap& map) {
     const double truth = integral(map);
-    for (const Lattice& lattice : filtered.levels)
-        EXPECT_NEAR(integral(lattice) / truth, 1.0, 0.005) << map.name() << ", kappa " << lattice.level.kappa;
+    for (const Filtered& device : filtered) {
+        for (const EnvironmentLattice& lattice : device.levels)
+            EXPECT_NEAR(integral(lattice) / truth, 1.0, 0.005)
+                << map.name() << ", " << device.device << ", kappa " << lattice.level.kappa;
+    }
+}
+
+// Every texel at random in 0 … 1, but for one of the given radiance.
+std::shared_ptr<const EnvironmentMap> random_map(int width, int height, float sun, std::mt19937& random) {
+    std::uniform_real_distribution<float> unit;
+    std::vector<vec3> pixels(std::size_t(width) * height);
+    for (vec3& pixel : pixels) pixel = vec3(unit(random), unit(random), unit(random));
+    pixels[pixels.size() / 3] += sun;
+    return std::make_shared<const EnvironmentMap>(std::to_string(width) + " x " + std::to_string(height),
+                                                  width, height, std::move(pixels));
 }
 
 std::vector<std::filesystem::path> studio_maps() {
@@ -200,14 +247,18 @@ TEST(Environment, LevelsOfBlendersMapsAreTheConvolution) {
     std::mt19937 random(7);
     for (const auto& path : maps) {
         const auto map = EnvironmentMap::load(path.string(), false);
-        const Filtered filtered = filter(map);
-        std::cout << path.filename() << " " << map->width() << " x " << map->height() << ": "
-                  << filtered.seconds << " s\n";
-        for (const Lattice& lattice : filtered.levels) {
-            const Difference error = compare(lattice, *map, 10, nullptr, random);
-            std::cout << "  kappa " << lattice.level.kappa << ": mean relative error " << error.mean_relative
-                      << "\n";
-            EXPECT_LE(error.mean_relative, 0.02) << path << ", kappa " << lattice.level.kappa;
+        const auto filtered = filter(map);
+        std::cout << path.filename() << " " << map->width() << " x " << map->height() << ": ";
+        print_seconds(filtered);
+        for (std::size_t l = 0; l < filtered[0].levels.size(); ++l) {
+            const auto errors = compare(filtered, l, *map, 10, nullptr, random);
+            for (std::size_t d = 0; d < errors.size(); ++d) {
+                const Filtered& device = filtered[d];
+                const float kappa = device.levels[l].level.kappa;
+                std::cout << "  " << device.device << ", kappa " << kappa << ": mean relative error "
+                          << errors[d].mean_relative << "\n";
+                EXPECT_LE(errors[d].mean_relative, 0.02) << path << ", " << device.device << ", " << kappa;
+            }
         }
         expect_integrals_kept(filtered, *map);
     }
@@ -221,18 +272,163 @@ TEST(Environment, SunOfOnePixelKeepsItsLight) {
         std::vector<vec3> pixels(1024 * 512, vec3(0.0F));
         pixels[at.y * 1024 + at.x] = vec3(100000.0F);
         const auto map = std::make_shared<const EnvironmentMap>("sun", 1024, 512, pixels);
-        const Filtered filtered = filter(map);
-        std::cout << "sun at " << at.x << ", " << at.y << ": " << filtered.seconds << " s\n";
+        const auto filtered = filter(map);
+        std::cout << "sun at " << at.x << ", " << at.y << ": ";
+        print_seconds(filtered);
         const vec3 sun =
             model::environment_direction({(float(at.x) + 0.5F) / 1024.0F, (float(at.y) + 0.5F) / 512.0F});
-        for (const Lattice& lattice : filtered.levels) {
-            const Difference error = compare(lattice, *map, 10, &sun, random);
-            std::cout << "  kappa " << lattice.level.kappa << ": worst, of the maximum " << error.of_maximum
-                      << "\n";
-            EXPECT_LE(error.of_maximum, 0.02)
-                << "sun at " << at.x << ", " << at.y << ", kappa " << lattice.level.kappa;
+        for (std::size_t l = 0; l < filtered[0].levels.size(); ++l) {
+            const auto errors = compare(filtered, l, *map, 10, &sun, random);
+            for (std::size_t d = 0; d < errors.size(); ++d) {
+                const Filtered& device = filtered[d];
+                const float kappa = device.levels[l].level.kappa;
+                std::cout << "  " << device.device << ", kappa " << kappa << ": worst, of the maximum "
+                          << errors[d].of_maximum << "\n";
+                EXPECT_LE(errors[d].of_maximum, 0.02)
+                    << "sun at " << at.x << ", " << at.y << ", " << device.device << ", " << kappa;
+            }
         }
         expect_integrals_kept(filtered, *map);
+    }
+}
+
+// A user loses: a smooth sky above: at a pole all columns of a level are one direction.
+TEST(Environment, PolesAreOnePoint) {
+    std::mt19937 random(4);
+    for (const Filtered& device : filter(random_map(512, 256, 0.0F, random))) {
+        for (const EnvironmentLattice& lattice : device.levels) {
+            for (const int y : {0, lattice.level.intervals}) {
+                for (int x = 0; x < lattice.level.columns; ++x)
+                    EXPECT_NEAR(greatest(dvec3(texel(lattice, x, y) / texel(lattice, 0, y))), 1.0, 1e-5)
+                        << device.device << ", kappa " << lattice.level.kappa << ": " << x << ", " << y;
+            }
+        }
+    }
+}
+
+// A user loses: the same picture on a machine with a GPU and on one without.
+TEST(Environment, DevicesFilterAlike) {
+    std::mt19937 random(5);
+    for (const auto& map : {random_map(500, 300, 0.0F, random), random_map(64, 32, 1e5F, random)}) {
+        const auto filtered = filter(map);
+        ASSERT_EQ(filtered[0].levels.size(), filtered[1].levels.size());
+        for (std::size_t l = 0; l < filtered[0].levels.size(); ++l) {
+            const EnvironmentLattice& a = filtered[0].levels[l];
+            const EnvironmentLattice& b = filtered[1].levels[l];
+            ASSERT_EQ(a.texels.size(), b.texels.size());
+            double worst = 0.0;
+            double maximum = 0.0;
+            for (std::size_t i = 0; i < a.texels.size(); ++i) {
+                worst = std::max(worst, greatest(glm::abs(dvec3(a.texels[i]) - dvec3(b.texels[i]))));
+                maximum = std::max(maximum, greatest(dvec3(a.texels[i])));
+            }
+            // A texel at the very end of a kernel, e^-7 of its peak and a fifteenth of its sum, may count for
+            // one device and not for the other.
+            EXPECT_LE(worst / maximum, 7e-5) << map->name() << ", kappa " << a.level.kappa;
+        }
+    }
+}
+
+struct Query {
+    vec3 direction;
+    float spread;
+};
+
+// What incoming_radiance of shaders/environment.glsl answers.
+std::vector<vec4> look_up_by_opengl(const std::shared_ptr<const EnvironmentMap>& map,
+                                    const std::vector<Query>& queries) {
+    return gl_thread().run([&] {
+        const std::string text = gl::full_source("environment.glsl") + R"(
+            layout(local_size_x = 64) in;
+            layout(std430, binding = 0) readonly buffer Queries { vec4 queries[]; };
+            layout(std430, binding = 1) writeonly buffer Answers { vec4 answers[]; };
+            void main() {
+                uint i = gl_GlobalInvocationID.x;
+                if (i < queries.length()) answers[i] = vec4(incoming_radiance(queries[i].xyz, queries[i].w), 1.0);
+            })";
+        const char* pointer = text.c_str();
+        const GLuint program = glCreateShaderProgramv(GL_COMPUTE_SHADER, 1, &pointer);
+        const FilteredEnvironment environment = EnvironmentFilter().filter(map);
+        const auto place = [&](const std::string& name) {
+            return glGetUniformLocation(program, name.c_str());
+        };
+        glBindTextureUnit(0, environment.raw.id());
+        glBindTextureUnit(1, environment.atlas.id());
+        glProgramUniform1i(program, place("environment_map"), 0);
+        glProgramUniform1i(program, place("environment_atlas"), 1);
+        for (std::size_t l = 0; l < environment.levels.size(); ++l) {
+            const EnvironmentLevel& level = environment.levels[l];
+            glProgramUniform4f(program, place("environment_levels[" + std::to_string(l) + "]"),
+                               float(level.columns), float(level.intervals), float(level.first_row),
+                               model::spread_from_kappa(level.kappa));
+        }
+        glProgramUniform1i(program, place("environment_level_count"), int(environment.levels.size()));
+        glProgramUniform3f(program, place("environment_color"), 1.0F, 1.0F, 1.0F);
+        glProgramUniformMatrix3fv(program, place("view_to_environment"), 1, GL_FALSE,
+                                  glm::value_ptr(glm::mat3(1.0F)));
+        const std::size_t size = queries.size() * sizeof(Query);
+        const gl::Buffer in = gl::make_buffer(size, queries.data());
+        const gl::Buffer out = gl::make_buffer(size, nullptr);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, in.id());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, out.id());
+        glUseProgram(program);
+        glDispatchCompute(GLuint(queries.size() + 63) / 64, 1, 1);
+        glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+        std::vector<vec4> answers(queries.size());
+        glGetNamedBufferSubData(out.id(), 0, GLsizeiptr(size), answers.data());
+        glUseProgram(0);
+        glDeleteProgram(program);
+        return answers;
+    });
+}
+
+// Everywhere, at the poles and on both sides of the seam, under lobes of every width.
+std::vector<Query> draw_queries(int count, std::mt19937& random) {
+    std::normal_distribution<float> normal;
+    std::uniform_real_distribution<float> log_spread(-14.0F, 0.0F);
+    std::vector<Query> queries;
+    for (const vec3 direction : {vec3(0, 0, 1), vec3(0, 0, -1), vec3(-1, 1e-7F, 0), vec3(-1, -1e-7F, 0)}) {
+        for (const float spread : {0.0F, 1e-3F, 1.0F}) queries.push_back({direction, spread});
+    }
+    while (static_cast<int>(queries.size()) < count)
+        queries.push_back({glm::normalize(vec3(normal(random), normal(random), normal(random))),
+                           std::exp(log_spread(random))});
+    return queries;
+}
+
+// A user loses: the same picture on a machine with a GPU and on one without.
+TEST(Environment, DevicesLookUpAlike) {
+    std::mt19937 random(6);
+    const auto map = random_map(300, 100, 0.0F, random);
+    const std::vector<Query> queries = draw_queries(5000, random);
+    const std::vector<vec4> answers = look_up_by_opengl(map, queries);
+    const model::EnvironmentModel model(filter_environment(map));
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+        const auto& [direction, spread] = queries[i];
+        const dvec3 difference(model.environment_radiance(direction, spread) - vec3(answers[i]));
+        // GPUs interpolate in 256 steps, between texels that differ by 1 at most.
+        EXPECT_LE(greatest(glm::abs(difference)), 1.0 / 256.0)
+            << direction.x << ", " << direction.y << ", " << direction.z << ", spread " << spread;
+    }
+}
+
+// A user loses: roughness that goes from clear to matt without a step or a lobe of a wrong width on the way.
+TEST(Environment, LookupsBetweenLevelsAreTheConvolution) {
+    const auto maps = studio_maps();
+    if (maps.empty()) GTEST_SKIP() << "Blender's studio maps are not installed where Debian puts them";
+    const auto map = EnvironmentMap::load(maps.front().string(), false);
+    const model::EnvironmentModel model(filter_environment(map));
+    std::mt19937 random(8);
+    std::normal_distribution<float> normal;
+    for (const float spread : {2e-4F, 3e-3F, 0.04F, 0.3F, 0.8F}) {
+        double error = 0.0;
+        for (int i = 0; i < 10; ++i) {
+            const vec3 d = glm::normalize(vec3(normal(random), normal(random), normal(random)));
+            const double truth = luminance(brute_force(*map, model::kappa_from_spread(spread), d));
+            error += std::abs(luminance(dvec3(model.environment_radiance(d, spread))) / truth - 1.0) / 10;
+        }
+        std::cout << "spread " << spread << ": mean relative error " << error << "\n";
+        EXPECT_LE(error, 0.02) << spread;
     }
 }
 

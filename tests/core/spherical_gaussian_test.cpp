@@ -51,5 +51,18 @@ TEST(Environment, DirectionsRoundTripAndMatchBlender) {
     }
 }
 
+// A user loses: straight edges in a clear view of a large map, which a coarse atan would bend by whole
+// texels.
+TEST(Environment, DirectionsAreExactToAHundredthOfATexel) {
+    constexpr double texel = 1.0 / 8192.0;
+    for (int i = 0; i < 2000; ++i) {
+        const glm::dvec3 d =
+            glm::normalize(glm::dvec3(std::sin(i * 1.3), std::cos(i * 2.1), std::sin(i * 0.7)));
+        const glm::vec2 uv = model::environment_uv(glm::vec3(d));
+        EXPECT_NEAR(uv.x, 0.5 - std::atan2(d.y, d.x) / (2.0 * glm::pi<double>()), 0.01 * texel) << i;
+        EXPECT_NEAR(uv.y, 1.0 - std::acos(d.z) / glm::pi<double>(), 0.01 * texel) << i;
+    }
+}
+
 }  // namespace
 }  // namespace verglas
