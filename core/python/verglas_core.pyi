@@ -256,7 +256,7 @@ class PathSettings:
     transparent: bool
     """As Settings.transparent."""
     max_interfaces: int
-    """Longer paths end. Default 64."""
+    """Paths through more that bend light end. Default 64."""
     seed: int
     """Other seeds give other noise. Default 0."""
     def __init__(self) -> None: ...
