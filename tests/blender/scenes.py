@@ -159,7 +159,8 @@ def new_material(name: str = "Glass", node: str | None = "ShaderNodeBsdfGlass",
     return material
 
 
-def add_absorption(material: bpy.types.Material, color=(0.5, 0.8, 1.0), density: float = 1.0) -> bpy.types.Material:
+def add_absorption(material: bpy.types.Material, color=(0.5, 0.8, 1.0),
+                   density: float = 1.0) -> bpy.types.Material:
     """Links a Volume Absorption; returns the material."""
     tree = material.node_tree
     volume = add_node(tree, "ShaderNodeVolumeAbsorption", Color=(*color, 1.0), Density=density)

@@ -4,7 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from scenes import add_absorption, add_monkey, add_node, new_group, new_material, node_of, render, set_background
+from scenes import (
+    add_absorption, add_monkey, add_node, new_group, new_material, node_of, render, set_background,
+)
 from verglas import compat, faults
 from verglas.sync import materials
 
