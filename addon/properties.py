@@ -115,8 +115,8 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
     priority: IntProperty(
         name="Priority",
         description="Which material counts where objects overlap, as a drink that reaches into the wall of "
-                    "its glass: the one of higher priority. IOR is then the material's own even inside another. "
-                    "0: as in Cycles, IOR is relative to what is around the surface",
+                    "its glass: the one of higher priority. IOR is then the material's own in any "
+                    "surroundings. 0: as in Cycles, IOR is relative to what is around the surface",
         default=0, min=0, soft_max=10,
     )
 

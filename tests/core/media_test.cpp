@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/tracing/path_tracer.h"
+#include "core/tracing/traced_renderer.h"
 #include "tests/core/shapes.h"
 
 namespace verglas {
@@ -244,13 +245,42 @@ void add(Scene& scene, std::shared_ptr<const Mesh> mesh, int material, const mat
     scene.objects.push_back({"Object", std::move(mesh), matrix, {material}});
 }
 
-Frame render(const Scene& scene, int samples = 16) {
+Frame path_traced(const Scene& scene) {
     PathSettings settings;
     settings.size = glm::ivec2(32);
     PathTracer tracer(scene, settings);
-    EXPECT_TRUE(tracer.render(samples));
+    EXPECT_TRUE(tracer.render(16));
     return tracer.frame();
 }
+
+Frame bundle_traced(const Scene& scene) {
+    Settings settings;
+    settings.size = glm::ivec2(32);
+    settings.samples = 1;
+    TracedRenderer renderer;
+    const auto frame = renderer.render(scene, settings);
+    EXPECT_TRUE(frame);
+    return *frame;
+}
+
+struct Tracer {
+    const char* name;
+    Frame (*render)(const Scene& scene);
+    double error;  // relative, of what should be the same picture
+};
+
+// Pictures, by both tracers.
+class TracedMedia : public testing::TestWithParam<Tracer> {
+  protected:
+    Frame render(const Scene& scene) const { return GetParam().render(scene); }
+    void expect_color(const Scene& scene, const vec3& expected) const;
+};
+
+// Bundles are cut off in the end: what they then show is a guess, without what is in the way.
+INSTANTIATE_TEST_SUITE_P(Tracers, TracedMedia,
+                         testing::Values(Tracer{"Paths", path_traced, 2e-4},
+                                         Tracer{"Bundles", bundle_traced, 0.02}),
+                         [](const auto& tracer) { return tracer.param.name; });
 
 // Mean absolute difference, relative to the mean.
 double difference(const Frame& a, const Frame& b) {
@@ -269,7 +299,7 @@ const mat4 inner_place = glm::scale(glm::translate(mat4(1.0F), vec3(0.3F, 0.0F, 
 
 // A user loses: inner parts that can't be seen in the real thing: a sphere in another of the same index is
 // none, however rough it is, and whichever counts.
-TEST(PathTracedMedia, EqualIndicesAreOneSolid) {
+TEST_P(TracedMedia, EqualIndicesAreOneSolid) {
     Scene one = lit_scene({medium(1.5F, 2)});
     add(one, shapes::sphere(), 0);
     for (const int priority : {1, 2, 3}) {
@@ -277,24 +307,24 @@ TEST(PathTracedMedia, EqualIndicesAreOneSolid) {
         two.materials.push_back(medium(1.5F, priority));
         two.materials.back().roughness = 0.7F;
         add(two, shapes::sphere(), 1, inner_place);
-        EXPECT_LT(difference(render(two), render(one)), 2e-4) << priority;
+        EXPECT_LT(difference(render(two), render(one)), GetParam().error) << priority;
     }
 }
 
 // A user loses: an IOR of 1 as no glass at all, from outside and behind other glass.
-TEST(PathTracedMedia, IndexOneIsNone) {
+TEST_P(TracedMedia, IndexOneIsNone) {
     for (const int priority : {0, 1}) {
         Scene scene = lit_scene({medium(1.5F, 2), medium(1.0F, priority)});
         add(scene, shapes::sphere(), 0, inner_place);
         const Frame alone = render(scene);
         add(scene, shapes::sphere(), 1);
-        EXPECT_LT(difference(render(scene), alone), 2e-4) << priority;
+        EXPECT_LT(difference(render(scene), alone), GetParam().error) << priority;
     }
 }
 
 // A user loses: the usual way to model a drink. It overlaps the wall of its glass; the same with one wall
 // between them that has the relative index.
-TEST(PathTracedMedia, OverlapEqualsASharedWall) {
+TEST_P(TracedMedia, OverlapEqualsASharedWall) {
     const vec3 absorption(0.2F, 0.5F, 1.0F);
     Scene overlap = lit_scene({medium(1.5F, 2), medium(1.33F, 1, absorption)});
     add(overlap, shapes::spheres({1.0F, -0.8F}), 0);
@@ -302,7 +332,7 @@ TEST(PathTracedMedia, OverlapEqualsASharedWall) {
     Scene shared = lit_scene({medium(1.5F, 0), medium(1.33F / 1.5F, 0, absorption)});
     add(shared, shapes::sphere(), 0);
     add(shared, shapes::spheres({0.8F}), 1);
-    EXPECT_LT(difference(render(overlap), render(shared)), 2e-4);
+    EXPECT_LT(difference(render(overlap), render(shared)), GetParam().error);
     Scene none = overlap;
     none.objects.pop_back();
     EXPECT_GT(difference(render(overlap), render(none)), 0.05);
@@ -317,15 +347,15 @@ Scene slabs(const std::vector<Material>& materials) {
     return scene;
 }
 
-void expect_color(const Scene& scene, const vec3& expected) {
-    const Frame frame = render(scene, 2);
+void TracedMedia::expect_color(const Scene& scene, const vec3& expected) const {
+    const Frame frame = render(scene);
     for (const glm::vec4& pixel : frame.combined)
         ASSERT_LT(glm::distance(vec3(pixel), expected), 1e-4F) << pixel.x << " " << pixel.y << " " << pixel.z;
 }
 
 // A user loses: the colour of overlapping glass: by Beer and Lambert, of the solid that counts in each part,
 // from both sides alike. One from 0 to 3, the other from 2 to 4, and what is inside of one alone.
-TEST(PathTracedMedia, OverlapIsAbsorbedByTheHigherPriority) {
+TEST_P(TracedMedia, OverlapIsAbsorbedByTheHigherPriority) {
     const vec3 a(0.1F, 0.2F, 0.0F);
     const vec3 b(0.3F, 0.0F, 0.5F);
     const auto picture = [&](int priority_a, int priority_b) {
@@ -342,7 +372,7 @@ TEST(PathTracedMedia, OverlapIsAbsorbedByTheHigherPriority) {
 }
 
 // A user loses: tinted glass with something in it; the way before and behind the inner part is absorbed, too.
-TEST(PathTracedMedia, GlassAroundAnInnerPartAbsorbs) {
+TEST_P(TracedMedia, GlassAroundAnInnerPartAbsorbs) {
     const vec3 a(0.1F, 0.2F, 0.0F);
     const vec3 b(0.3F, 0.0F, 0.5F);
     for (const int priority : {0, 1}) {
@@ -354,7 +384,7 @@ TEST(PathTracedMedia, GlassAroundAnInnerPartAbsorbs) {
 }
 
 // A user loses: the camera inside of tinted glass.
-TEST(PathTracedMedia, CameraInside) {
+TEST_P(TracedMedia, CameraInside) {
     for (const int priority : {0, 1}) {
         Scene scene = slabs({medium(1.0F, priority, vec3(0.5F))});
         scene.camera.projection = glm::ortho(-0.5F, 0.5F, -0.5F, 0.5F, 18.0F, 100.0F);  // at Z = 2
@@ -365,8 +395,8 @@ TEST(PathTracedMedia, CameraInside) {
 
 // A researcher loses: light that is drawn from the environment, through surfaces that don't bend it: a rough
 // pane in the middle of a large tinted ball, of which all of its light crosses twice the radius.
-TEST(PathTracedMedia, LightReachesInnerPartsThroughUnbentSurfaces) {
-    const auto picture = [](const vec3& absorption, int priority) {
+TEST_P(TracedMedia, LightReachesInnerPartsThroughUnbentSurfaces) {
+    const auto picture = [this](const vec3& absorption, int priority) {
         Scene scene = lit_scene({medium(1.5F, 0), medium(1.0F, priority, absorption)});
         scene.materials[0].roughness = 0.6F;
         const float size = 0.01F;
@@ -381,7 +411,7 @@ TEST(PathTracedMedia, LightReachesInnerPartsThroughUnbentSurfaces) {
         const Frame clear = picture(vec3(0.0F), priority);
         Frame expected = clear;
         for (glm::vec4& pixel : expected.combined) pixel *= glm::vec4(glm::exp(-2.0F * absorption), 1.0F);
-        EXPECT_LT(difference(picture(absorption, priority), expected), 0.01);
+        EXPECT_LT(difference(picture(absorption, priority), expected), 0.01 + GetParam().error);
     }
 }
 
