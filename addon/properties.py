@@ -112,6 +112,13 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
         description="Absorption for each unit of length, as in the Volume Absorption node; 0 is clear",
         default=0.0, min=0.0, soft_max=100.0,
     )
+    priority: IntProperty(
+        name="Priority",
+        description="Which material counts where objects overlap, as a drink that reaches into the wall of "
+                    "its glass: the one of higher priority. IOR is then the material's own in any "
+                    "surroundings. 0: as in Cycles, IOR is relative to what is around the surface",
+        default=0, min=0, soft_max=10,
+    )
 
 
 _classes = (VerglasSceneSettings, VerglasMaterialSettings)

@@ -107,6 +107,7 @@ class VERGLAS_MATERIAL_PT_glass(VerglasPanel, bpy.types.Panel):
         layout.prop(settings, "ndf")
         layout.prop(settings, "absorption_color")
         layout.prop(settings, "absorption_density")
+        layout.prop(settings, "priority")
 
 
 _classes = (

@@ -152,6 +152,7 @@ def _apply_panel(material: bpy.types.Material, glass: core.Material, has_volume:
         glass.ndf = settings.ndf
     if settings.absorption_density > 0.0 and not has_volume:
         glass.absorption = _absorption(np.array(settings.absorption_color), settings.absorption_density)
+    glass.priority = settings.priority
 
 
 def _absorption(color: np.ndarray, density: float) -> np.ndarray:

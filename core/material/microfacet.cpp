@@ -22,7 +22,7 @@ float microfacet_distribution(Ndf ndf, float alpha, float cos_theta_m) {
         return (n_D + 2.0F) / (2.0F * pi) * std::pow(cos_theta_m, n_D);
     }
     if (ndf == Ndf::Ggx) {
-        const float denominator = cos2 * (alpha2 - 1.0F) + 1.0F;
+        const float denominator = (1.0F - cos2) + alpha2 * cos2;  // in this order more than 0 for any alpha
         return alpha2 / (pi * denominator * denominator);
     }
     return std::exp((cos2 - 1.0F) / (cos2 * alpha2)) / (pi * alpha2 * cos2 * cos2);

@@ -7,7 +7,8 @@
 namespace verglas {
 namespace {
 
-// The relative indices at which light can meet a material, on entering and on leaving.
+// The relative indices at which light can meet a material, on entering and on leaving: against the outside,
+// and among materials with a priority against each other.
 std::vector<float> relative_indices(const Material& material, const std::vector<Material>& materials) {
     std::vector<float> indices;
     const auto add = [&indices](float eta) {
@@ -16,6 +17,12 @@ std::vector<float> relative_indices(const Material& material, const std::vector<
     };
     add(material.ior);
     add(1.0F / material.ior);
+    if (material.priority == 0) return indices;
+    for (const Material& other : materials) {
+        if (other.priority == 0 || other.ior == material.ior) continue;
+        add(material.ior / other.ior);
+        add(other.ior / material.ior);
+    }
     return indices;
 }
 

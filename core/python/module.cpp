@@ -210,6 +210,7 @@ void bind_scene(py::module_& module) {
                 self.roughness_texture = std::move(texture);
             })
         .def_readwrite("ior", &Material::ior)
+        .def_readwrite("priority", &Material::priority)
         .def_readwrite("fresnel", &Material::fresnel);
     def_enum(material, "ndf", &Material::ndf, ndf_names);
     def_rgb(material, "color", &Material::color);

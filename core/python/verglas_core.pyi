@@ -81,6 +81,11 @@ class Material:
     """What the path tracer takes in place of `roughness`; the real-time renderer doesn't yet. Default None."""
     ior: float
     """Index of refraction inside, relative to the outside, 1/3 … 3 (clamped). Default 1.5."""
+    priority: int
+    """What counts where solids overlap, for the path tracer; the real-time renderer doesn't know it yet. 0
+    (default): each surface stands by itself, `ior` is relative to whatever is around it, and absorptions add up,
+    as in Cycles. From 1 on: the solid of highest priority counts, of equal ones the one entered last, and `ior`
+    is that of the medium itself."""
     color: Sequence[float]
     """Linear RGB factor of every refraction, entering and leaving (so its square for a solid)."""
     reflection_color: Sequence[float]
@@ -254,7 +259,7 @@ class PathSettings:
     transparent: bool
     """As Settings.transparent."""
     max_interfaces: int
-    """Longer paths end. Default 64."""
+    """Paths through more that bend light end. Default 64."""
     seed: int
     """Other seeds give other noise. Default 0."""
     def __init__(self) -> None: ...

@@ -9,13 +9,13 @@
 namespace verglas {
 namespace {
 
-// Indices that differ by less don't bend light; a lobe so narrow is beyond float.
-constexpr float min_index_step = 1e-4F;
-
+// n_behind / n_before as Interface::eta.
 float relative_index(float before, float behind) {
     const float eta = std::clamp(behind / before, 1.0F / max_eta, max_eta);
-    return std::abs(eta - 1.0F) < min_index_step ? 1.0F : eta;
+    return std::abs(eta - 1.0F) < MediumStack::min_index_step ? 1.0F : eta;
 }
+
+bool is_nested(const Material& material) { return material.priority > 0; }
 
 std::uint16_t low_bits(int object) { return static_cast<std::uint16_t>(object); }
 
@@ -90,7 +90,7 @@ MediumStack::Interface MediumStack::interface(const Scene& scene, const Hit& hit
     const auto ior = [&scene](int material) {
         return material == none ? 1.0F : std::clamp(scene.materials[material].ior, 1.0F / max_eta, max_eta);
     };
-    if (scene.materials[hit.material].priority == 0) {
+    if (!is_nested(scene.materials[hit.material])) {
         return {true,
                 entering ? relative_index(1.0F, ior(hit.material)) : relative_index(ior(hit.material), 1.0F)};
     }
@@ -109,7 +109,7 @@ glm::vec3 MediumStack::transmittance(const Scene& scene, const Hit& hit, bool en
     glm::vec3 sigma_a = nested == none ? glm::vec3(0.0F) : scene.materials[nested].absorption;
     for (int i = 0; i < capacity && media.materials_[i] != none; ++i) {
         const Material& material = scene.materials[media.materials_[i]];
-        if (material.priority == 0 && !media.is_repeated(i)) sigma_a += material.absorption;
+        if (!is_nested(material) && !media.is_repeated(i)) sigma_a += material.absorption;
     }
     return glm::exp(-sigma_a * hit.t);
 }

@@ -31,6 +31,9 @@ class MediumStack {
         // tinted by the material's color where is_real.
         bool bends() const { return eta != 1.0F; }
     };
+    // Indices that differ by less don't bend light: the lobe would be too narrow for float.
+    static constexpr float min_index_step = 1e-4F;
+
     // entering: the ray comes from the side that the triangle's normal shows to.
     Interface interface(const Scene& scene, const Hit& hit, bool entering) const;
 

@@ -12,7 +12,9 @@
 #include "core/material/microfacet.h"
 #include "core/math/pixel_filter.h"
 #include "core/math/sobol.h"
+#include "core/tracing/crossing.h"
 #include "core/tracing/environment_light.h"
+#include "core/tracing/media.h"
 #include "core/tracing/ray_scene.h"
 
 namespace verglas {
@@ -28,6 +30,9 @@ constexpr int interface_dimensions = 5;
 constexpr int facet_dimension = 0;
 constexpr int light_dimension = 2;
 constexpr int choice_dimension = 4;
+
+// Surfaces that don't bend a ray, one behind the other; rounding must not keep it at one for ever.
+constexpr int max_passed = 1000;
 
 // Paths between two calls of progress.
 constexpr int block_paths = 1 << 15;
@@ -48,14 +53,6 @@ float mis_weight(float pdf, float other) {
     return p + q > 0.0F ? p / (p + q) : 0.0F;
 }
 
-// A point beside the surface on the side that a ray leaves to, far enough that it does not meet it again.
-glm::vec3 beside(const Hit& hit, const glm::vec3& d) {
-    const glm::vec3& p = hit.position;
-    const float scale = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), hit.t, 1e-3F});
-    return p +
-           (glm::dot(d, hit.geometric_normal) > 0.0F ? 1.0F : -1.0F) * 4e-6F * scale * hit.geometric_normal;
-}
-
 // An interface as a path meets it.
 struct Crossing {
     const Hit& hit;
@@ -66,12 +63,23 @@ struct Crossing {
     RoughInterface surface;
 };
 
+// Whether there may be surfaces that light goes through unbent.
+bool has_straight_surfaces(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
+        return material.priority > 0 || std::abs(material.ior - 1.0F) < MediumStack::min_index_step;
+    });
+}
+
 }  // namespace
 
 class PathTracer::Paths {
   public:
     Paths(const Scene& scene, const PathSettings& settings)
-        : scene_(scene), settings_(settings), rays_(scene), light_(scene) {}
+        : scene_(scene),
+          settings_(settings),
+          rays_(scene),
+          light_(scene),
+          has_straight_surfaces_(has_straight_surfaces(scene)) {}
 
     Ray camera_ray(glm::vec2 pixel) const;
     glm::vec4 trace(Ray ray, const SobolPoint& point) const;
@@ -80,13 +88,16 @@ class PathTracer::Paths {
   private:
     bool two_interface() const { return settings_.mode == PathMode::TwoInterface; }
     Reflected reflected(const Material& material) const;
-    Crossing cross(const Hit& hit, const glm::vec3& d) const;
-    glm::vec3 direct_light(const Crossing& crossing, glm::vec2 u) const;
+    std::optional<Hit> next_interface(Ray& ray, MediumStack& media, glm::vec3& throughput) const;
+    glm::vec3 escape(Ray ray, MediumStack media) const;
+    Crossing cross(const Hit& hit, const glm::vec3& d, const MediumStack& media) const;
+    glm::vec3 direct_light(const Crossing& crossing, MediumStack media, glm::vec2 u) const;
 
     const Scene& scene_;
     const PathSettings& settings_;
     RayScene rays_;
     EnvironmentLight light_;
+    bool has_straight_surfaces_;
     glm::mat4 clip_to_world_ = glm::inverse(scene_.camera.projection * scene_.camera.view);
 };
 
@@ -110,25 +121,45 @@ Reflected PathTracer::Paths::reflected(const Material& material) const {
     return material.fresnel ? Reflected::All : Reflected::None;
 }
 
-Crossing PathTracer::Paths::cross(const Hit& hit, const glm::vec3& d) const {
+// Takes a ray to the next surface that bends light, through those that don't; throughput: what is left of it
+// there. None where the ray escapes.
+std::optional<Hit> PathTracer::Paths::next_interface(Ray& ray, MediumStack& media,
+                                                     glm::vec3& throughput) const {
+    for (int passed = 0; passed <= max_passed; ++passed) {
+        auto hit = rays_.intersect(ray.origin, ray.d);
+        if (!hit) return hit;
+        const bool entering = is_entering(*hit, ray.d);
+        throughput *= media.transmittance(scene_, *hit, entering);
+        const MediumStack::Interface interface = media.interface(scene_, *hit, entering);
+        if (interface.bends()) return hit;
+        if (interface.is_real) throughput *= scene_.materials[hit->material].color;
+        media.cross(*hit, entering);
+        ray.origin = beside(*hit, ray.d);
+    }
+    throughput = glm::vec3(0.0F);
+    return std::nullopt;
+}
+
+// The share of light that comes along a ray from the environment, unbent.
+glm::vec3 PathTracer::Paths::escape(Ray ray, MediumStack media) const {
+    if (!has_straight_surfaces_) return glm::vec3(rays_.escapes(ray.origin, ray.d) ? 1.0F : 0.0F);
+    glm::vec3 share(1.0F);
+    return next_interface(ray, media, share) ? glm::vec3(0.0F) : share;
+}
+
+Crossing PathTracer::Paths::cross(const Hit& hit, const glm::vec3& d, const MediumStack& media) const {
     const Material& material = scene_.materials[hit.material];
-    const bool entering = glm::dot(d, hit.geometric_normal) < 0.0F;
-    glm::vec3 n = entering ? hit.normal : -hit.normal;
-    // Interpolated normals may face away at silhouettes; they are bent as in refraction.frag.glsl.
-    n = glm::normalize(n - std::max(glm::dot(n, d) + 1e-3F, 0.0F) * d);
-    const glm::mat3 frame = frame_of(n);
-    const float roughness = material.roughness_texture
-                                ? std::clamp(material.roughness_texture->sample(hit.uv), 0.0F, 1.0F)
-                                : material.roughness;
-    const float alpha = std::max(model::alpha_from_roughness(roughness), min_alpha);
-    const float ior = std::clamp(material.ior, 1.0F / max_eta, max_eta);
-    const RoughInterface surface(material.ndf, alpha, entering ? ior : 1.0F / ior, material.fresnel,
-                                 reflected(material));
+    const bool entering = is_entering(hit, d);
+    const glm::mat3 frame = frame_of(facing_normal(hit, d));
+    const float alpha = std::max(model::alpha_from_roughness(roughness_at(material, hit)), min_alpha);
+    const RoughInterface surface(material.ndf, alpha, media.interface(scene_, hit, entering).eta,
+                                 material.fresnel, reflected(material));
     return {hit, material, entering, frame, glm::transpose(frame) * -d, surface};
 }
 
-// Light of the environment that an interface sends toward o, by directions drawn from the environment.
-glm::vec3 PathTracer::Paths::direct_light(const Crossing& crossing, glm::vec2 u) const {
+// Light of the environment that an interface sends toward o, by directions drawn from the environment. media:
+// those on the side of o.
+glm::vec3 PathTracer::Paths::direct_light(const Crossing& crossing, MediumStack media, glm::vec2 u) const {
     const Hit& hit = crossing.hit;
     const EnvironmentLight::Sample light = light_.sample(u);
     if (light.pdf <= 0.0F) return glm::vec3(0.0F);
@@ -138,31 +169,33 @@ glm::vec3 PathTracer::Paths::direct_light(const Crossing& crossing, glm::vec2 u)
     if ((i.z > 0.0F) != crossing.entering) return glm::vec3(0.0F);
     const RoughInterface::Value value = crossing.surface.evaluate(crossing.o, i);
     if (value.f_cos <= 0.0F) return glm::vec3(0.0F);
-    if (!two_interface() && !rays_.escapes(beside(hit, light.direction), light.direction))
-        return glm::vec3(0.0F);
+    if (i.z < 0.0F) media.cross(hit, crossing.entering);
+    const glm::vec3 visible =
+        two_interface() ? glm::vec3(1.0F) : escape({beside(hit, light.direction), light.direction}, media);
     const glm::vec3 color = i.z > 0.0F ? crossing.material.reflection_color : crossing.material.color;
-    return color * (value.f_cos / light.pdf * mis_weight(light.pdf, value.pdf)) *
+    return visible * color * (value.f_cos / light.pdf * mis_weight(light.pdf, value.pdf)) *
            light_.radiance(light.direction);
 }
 
 glm::vec4 PathTracer::Paths::trace(Ray ray, const SobolPoint& point) const {
     glm::vec3 sum(0.0F);
     glm::vec3 throughput(1.0F);
+    const glm::vec3 eye = ray.origin;
+    MediumStack media;
     float pdf = 0.0F;  // of the ray's direction; 0 where direct_light() has no part in it
     bool left = false;
     for (int depth = 0; depth <= settings_.max_interfaces; ++depth) {
-        const auto hit = two_interface() && left ? std::nullopt : rays_.intersect(ray.origin, ray.d);
+        const auto hit = two_interface() && left ? std::nullopt : next_interface(ray, media, throughput);
         if (!hit) {
-            if (depth == 0 && settings_.transparent) return glm::vec4(0.0F);
+            if (ray.origin == eye && settings_.transparent) return glm::vec4(0.0F);
             const float weight = pdf > 0.0F ? mis_weight(pdf, light_.pdf(ray.d)) : 1.0F;
             sum += throughput * weight * light_.radiance(ray.d);
             break;
         }
-        const Crossing crossing = cross(*hit, ray.d);
-        if (!crossing.entering) throughput *= glm::exp(-crossing.material.absorption * hit->t);
+        const Crossing crossing = cross(*hit, ray.d, media);
         const int dimension = first_interface_dimension + depth * interface_dimensions;
         const bool lit = !(two_interface() && crossing.entering);
-        if (lit) sum += throughput * direct_light(crossing, point.pair(dimension + light_dimension));
+        if (lit) sum += throughput * direct_light(crossing, media, point.pair(dimension + light_dimension));
         const auto sample = crossing.surface.sample(crossing.o, point.pair(dimension + facet_dimension),
                                                     point[dimension + choice_dimension]);
         if (!sample) break;
@@ -174,6 +207,7 @@ glm::vec4 PathTracer::Paths::trace(Ray ray, const SobolPoint& point) const {
             sample->weight * (refracted ? crossing.material.color : crossing.material.reflection_color);
         left = refracted && !crossing.entering;
         pdf = lit && refracted != crossing.entering ? sample->pdf : 0.0F;
+        if (refracted) media.cross(*hit, crossing.entering);
         ray = {beside(*hit, d), d};
     }
     return {sum, 1.0F};

@@ -21,7 +21,7 @@ struct PathSettings {
     bool tir =
         false;  // TwoInterface: totally reflected light goes on inside until it leaves; else it is lost
     bool transparent = false;
-    int max_interfaces = 64;  // longer paths end
+    int max_interfaces = 64;  // that bend light; longer paths end
     std::uint64_t seed = 0;
 };
 

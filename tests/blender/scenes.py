@@ -100,9 +100,9 @@ Pair = tuple[bpy.types.Object, bpy.types.Object]
 
 def add_nested_spheres(outer: bpy.types.Material, inner: bpy.types.Material, segments: int = 32,
                        rings: int = 16) -> Pair:
-    """Radius 0.5 within radius 1, off its centre, not touching it: light goes from glass into glass. Cycles
-    knows no nested media and takes each IOR as that of one crossing: for an IOR of 1.3 within one of 1.5 the
-    inner material has to have 1.3 / 1.5 there."""
+    """Radius 0.5 within radius 1, off its centre, not touching it: light goes from glass into glass. Without
+    priorities, as in Cycles, each IOR is that of one crossing: for an IOR of 1.3 within one of 1.5 the inner
+    material has to have 1.3 / 1.5 there."""
     return (add_sphere(outer, segments, rings),
             add_sphere(inner, segments, rings, radius=0.5, location=(0.25, 0.0, 0.15)))
 
@@ -156,6 +156,15 @@ def new_material(name: str = "Glass", node: str | None = "ShaderNodeBsdfGlass",
         shader = tree.nodes.new(node)
         set_values(shader, **inputs)
         tree.links.new(shader.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def add_absorption(material: bpy.types.Material, color=(0.5, 0.8, 1.0),
+                   density: float = 1.0) -> bpy.types.Material:
+    """Links a Volume Absorption; returns the material."""
+    tree = material.node_tree
+    volume = add_node(tree, "ShaderNodeVolumeAbsorption", Color=(*color, 1.0), Density=density)
+    tree.links.new(volume.outputs[0], node_of(tree, "ShaderNodeOutputMaterial").inputs["Volume"])
     return material
 
 

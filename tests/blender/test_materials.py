@@ -4,7 +4,9 @@
 import bpy
 import numpy as np
 import pytest
-from scenes import add_monkey, add_node, new_group, new_material, node_of, render, set_background
+from scenes import (
+    add_absorption, add_monkey, add_node, new_group, new_material, node_of, render, set_background,
+)
 from verglas import compat, faults
 from verglas.sync import materials
 
@@ -182,10 +184,7 @@ def test_output_of_cycles_wins(warned):
 
 def test_volume_absorption(warned):
     """Tinted glass would be clear, or of another depth of colour than in Cycles."""
-    material = new_material()
-    tree = material.node_tree
-    volume = add_node(tree, "ShaderNodeVolumeAbsorption", Color=(0.5, 1.0, 0.0, 1.0), Density=2.0)
-    tree.links.new(volume.outputs[0], node_of(tree, "ShaderNodeOutputMaterial").inputs["Volume"])
+    material = add_absorption(new_material(), (0.5, 1.0, 0.0), density=2.0)
     material.verglas.absorption_density = 9.0
     assert np.allclose(materials.from_blender(material, warned.append).absorption, (1.0, 0.0, 2.0))
     assert warned == []
@@ -207,9 +206,11 @@ def test_panel(warned):
     material.verglas.ndf = 'BLINN_PHONG'
     material.verglas.absorption_color = (0.25, 0.5, 1.0)
     material.verglas.absorption_density = 4.0
+    material.verglas.priority = 3
     glass = materials.from_blender(material, warned.append)
     assert glass.ndf == 'BLINN_PHONG'
     assert np.allclose(glass.absorption, (3.0, 2.0, 0.0))
+    assert glass.priority == 3
 
 
 @pytest.mark.parametrize("ior, expected", [(10.0, 3.0), (0.1, 1.0 / 3.0)])

@@ -5,8 +5,9 @@ import bpy
 import numpy as np
 import pytest
 from scenes import (
-    add_hollow_sphere, add_monkey, add_sphere, add_spheres_in_a_row, frosted, new_material, render,
-    set_background, set_map, world_map,
+    add_absorption, add_hollow_sphere, add_monkey, add_nested_spheres, add_overlapping_spheres, add_sphere,
+    add_spheres_in_a_row, frosted, new_material, node_of, render, set_background, set_map,
+    set_smooth, world_map,
 )
 from verglas.compare import methods, metrics
 from verglas.engine import VerglasRenderEngine
@@ -59,6 +60,35 @@ def test_paths(reference):
     assert energy["lost"] < 0.97 * energy["followed"] < energy["full"] < 1.01
 
 
+def test_priority_gives_media_their_own_index(reference):
+    """Glass in glass could be had only with relative IORs, worked out by hand."""
+    outer, inner = frosted(0.1, 1.5), frosted(0.1, 1.3)
+    add_nested_spheres(outer, inner)
+    outer.verglas.priority, inner.verglas.priority = 1, 2
+    nested = render(reference)
+    outer.verglas.priority = inner.verglas.priority = 0
+    assert metrics.relmse(nested.rgb, render(reference).rgb, nested.mask) > 0.01
+    node_of(inner.node_tree, "ShaderNodeBsdfRefraction").inputs["IOR"].default_value = 1.3 / 1.5
+    assert metrics.relmse(nested.rgb, render(reference).rgb, nested.mask) < 1e-4
+
+
+def test_overlapping_parts_of_equal_priority_are_joined(reference):
+    """Parts that reach into each other would show their inner walls, unless they are joined by a Boolean."""
+    glass = add_absorption(frosted(0.1))
+    left, right = add_overlapping_spheres(glass, glass)
+    for part in left, right:
+        set_smooth(part.data, False)  # a Boolean's smooth normals are others along the seam
+    apart = render(reference)
+    glass.verglas.priority = 1
+    joined = render(reference)
+    union = left.modifiers.new("Union", 'BOOLEAN')
+    union.operation, union.object = 'UNION', right
+    right.hide_render = True
+    truth = render(reference)
+    assert metrics.relmse(joined.rgb, truth.rgb, truth.mask) < 1e-4
+    assert metrics.relmse(apart.rgb, truth.rgb, truth.mask) > 0.01
+
+
 class _Host:
     """What the engine's method that path-traces asks of its engine; the user cancels after some calls."""
 
@@ -105,6 +135,8 @@ SHAPES = {
     "monkey": lambda material: add_monkey(material, subdivisions=3),
     "slab": add_slab,
     "hollow": lambda material: add_hollow_sphere(material, 144, 72),
+    "nested": lambda material: add_nested_spheres(*[add_absorption(material)] * 2, 144, 72),
+    "overlapping": lambda material: add_overlapping_spheres(*[add_absorption(material)] * 2, 144, 72),
     "spheres in a row": lambda material: add_spheres_in_a_row(material, material, 144, 72),
 }
 

@@ -14,6 +14,7 @@
 #include "core/material/microfacet.h"
 #include "core/tracing/environment_light.h"
 #include "tests/core/reference_lobes.h"
+#include "tests/core/shapes.h"
 
 namespace verglas {
 namespace {
@@ -114,37 +115,13 @@ TEST(EnvironmentLight, DensityIsNormalisedAndFollowsTheLight) {
     EXPECT_NEAR(radiance / truth, 1.0, 0.02);
 }
 
-std::shared_ptr<const Mesh> sphere() {
-    constexpr int around = 96;
-    constexpr int down = 48;
-    std::vector<vec3> points;
-    std::vector<glm::uvec3> triangles;
-    for (int j = 0; j <= down; ++j) {
-        for (int i = 0; i <= around; ++i) {
-            const float theta = glm::pi<float>() * float(j) / down;
-            const float azimuth = 2.0F * glm::pi<float>() * float(i) / around;
-            points.emplace_back(std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth),
-                                std::cos(theta));
-        }
-    }
-    for (unsigned j = 0; j < down; ++j) {
-        for (unsigned i = 0; i < around; ++i) {
-            const unsigned a = j * (around + 1) + i;
-            const unsigned b = a + around + 1;
-            if (j + 1 < down) triangles.emplace_back(a, b, b + 1);
-            if (j > 0) triangles.emplace_back(a, b + 1, a + 1);
-        }
-    }
-    return std::make_shared<const Mesh>("Sphere", points, points, triangles, std::vector<std::uint16_t>());
-}
-
 Scene glass_sphere(float roughness, Ndf ndf) {
     Scene scene;
     Material material;
     material.ndf = ndf;
     material.roughness = roughness;
     scene.materials = {material};
-    scene.objects = {{"Sphere", sphere(), glm::mat4(1.0F), {0}}};
+    scene.objects = {{"Sphere", shapes::sphere(), glm::mat4(1.0F), {0}}};
     scene.camera.view = glm::lookAt(vec3(0, -4, 0), vec3(0), vec3(0, 0, 1));
     scene.camera.projection = glm::perspective(0.6F, 1.0F, 0.1F, 100.0F);
     scene.environment_color = vec3(1.0F);
