@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/error.h"
@@ -41,11 +42,20 @@ glm::mat3 frame_of(const glm::vec3& n) {
             glm::vec3(b, sign + n.y * n.y * a, -n.y), n};
 }
 
-// Power heuristic of two strategies with one sample each (Veach 1997).
-float mis_weight(float pdf, float other) {
-    const float p = pdf * pdf;
-    const float q = other * other;
-    return p + q > 0.0F ? p / (p + q) : 0.0F;
+// How many directions an interface draws from the environment's light, and how many by its own facets.
+struct Split {
+    int lights;
+    int facets;
+};
+constexpr Split traced = {1, 1};
+// At the exit of two_interface, where none of them costs a further ray.
+constexpr Split untraced = {8, 4};
+
+// Power heuristic for a sample of one of two strategies: of so many, with this density (Veach 1997).
+float mis_weight(int samples, float pdf, int other_samples, float other_pdf) {
+    const float p = static_cast<float>(samples) * pdf;
+    const float q = static_cast<float>(other_samples) * other_pdf;
+    return p * p + q * q > 0.0F ? p * p / (p * p + q * q) : 0.0F;
 }
 
 // A point beside the surface on the side that a ray leaves to, far enough that it does not meet it again.
@@ -66,6 +76,27 @@ struct Crossing {
     RoughInterface surface;
 };
 
+// Where a path goes on.
+struct Scattered {
+    glm::vec3 d;
+    bool refracted;
+    glm::vec3 weight;
+    float pdf;  // per steradian
+};
+
+// u, choice: as for RoughInterface::sample().
+std::optional<Scattered> scatter(const Crossing& crossing, glm::vec2 u, float choice) {
+    const auto sample = crossing.surface.sample(crossing.o, u, choice);
+    if (!sample) return std::nullopt;
+    const glm::vec3 d = crossing.frame * sample->direction;
+    const bool refracted = sample->direction.z < 0.0F;
+    // The side of the interpolated normal must be the triangle's.
+    if ((glm::dot(d, crossing.hit.geometric_normal) > 0.0F) != (refracted != crossing.entering))
+        return std::nullopt;
+    const glm::vec3& color = refracted ? crossing.material.color : crossing.material.reflection_color;
+    return Scattered{d, refracted, sample->weight * color, sample->pdf};
+}
+
 }  // namespace
 
 class PathTracer::Paths {
@@ -81,7 +112,9 @@ class PathTracer::Paths {
     bool two_interface() const { return settings_.mode == PathMode::TwoInterface; }
     Reflected reflected(const Material& material) const;
     Crossing cross(const Hit& hit, const glm::vec3& d) const;
-    glm::vec3 direct_light(const Crossing& crossing, glm::vec2 u) const;
+    EnvironmentLight::Lobe outer_lobe(const Crossing& crossing) const;
+    glm::vec3 light_from(const EnvironmentLight::Sample& light, const Crossing& crossing, Split split) const;
+    glm::vec3 exit_light(const Crossing& crossing, const SobolPoint& point, int dimension) const;
 
     const Scene& scene_;
     const PathSettings& settings_;
@@ -127,54 +160,88 @@ Crossing PathTracer::Paths::cross(const Hit& hit, const glm::vec3& d) const {
     return {hit, material, entering, frame, glm::transpose(frame) * -d, surface};
 }
 
-// Light of the environment that an interface sends toward o, by directions drawn from the environment.
-glm::vec3 PathTracer::Paths::direct_light(const Crossing& crossing, glm::vec2 u) const {
+// For light from outside: that an interface reflects to a path that is outside, or refracts to one inside.
+EnvironmentLight::Lobe PathTracer::Paths::outer_lobe(const Crossing& crossing) const {
+    const RoughInterface::Lobe lobe = crossing.surface.lobe(crossing.o, crossing.entering);
+    return light_.lobe(crossing.frame * lobe.axis, lobe.kappa);
+}
+
+// Light that an interface sends toward o from a direction drawn from the environment; the split's others
+// aside.
+glm::vec3 PathTracer::Paths::light_from(const EnvironmentLight::Sample& light, const Crossing& crossing,
+                                        Split split) const {
     const Hit& hit = crossing.hit;
-    const EnvironmentLight::Sample light = light_.sample(u);
-    if (light.pdf <= 0.0F) return glm::vec3(0.0F);
-    // Light comes from outside: to a path that is outside by reflection, to one that is inside by refraction.
-    if (glm::dot(light.direction, hit.geometric_normal) <= 0.0F) return glm::vec3(0.0F);
+    if (light.pdf <= 0.0F || glm::dot(light.direction, hit.geometric_normal) <= 0.0F) return glm::vec3(0.0F);
     const glm::vec3 i = glm::transpose(crossing.frame) * light.direction;
     if ((i.z > 0.0F) != crossing.entering) return glm::vec3(0.0F);
     const RoughInterface::Value value = crossing.surface.evaluate(crossing.o, i);
     if (value.f_cos <= 0.0F) return glm::vec3(0.0F);
     if (!two_interface() && !rays_.escapes(beside(hit, light.direction), light.direction))
         return glm::vec3(0.0F);
-    const glm::vec3 color = i.z > 0.0F ? crossing.material.reflection_color : crossing.material.color;
-    return color * (value.f_cos / light.pdf * mis_weight(light.pdf, value.pdf)) *
-           light_.radiance(light.direction);
+    const glm::vec3 color = crossing.entering ? crossing.material.reflection_color : crossing.material.color;
+    const float weight = mis_weight(split.lights, light.pdf, split.facets, value.pdf);
+    return color * (value.f_cos / light.pdf * weight) * light.radiance;
+}
+
+// All light of the environment that a path inside meets by leaving here.
+glm::vec3 PathTracer::Paths::exit_light(const Crossing& crossing, const SobolPoint& point,
+                                        int dimension) const {
+    const EnvironmentLight::Lobe lobe = outer_lobe(crossing);
+    glm::vec3 by_lights(0.0F);
+    for (int k = 0; k < untraced.lights; ++k) {
+        const glm::vec2 u = point.part(k, untraced.lights).pair(dimension + light_dimension);
+        by_lights += light_from(light_.sample(lobe, u), crossing, untraced);
+    }
+    glm::vec3 by_facets(0.0F);
+    for (int k = 0; k < untraced.facets; ++k) {
+        const SobolPoint part = point.part(k, untraced.facets);
+        const auto scattered =
+            scatter(crossing, part.pair(dimension + facet_dimension), part[dimension + choice_dimension]);
+        if (!scattered || !scattered->refracted) continue;
+        const EnvironmentLight::Sample light = light_.at(lobe, scattered->d);
+        const float weight = mis_weight(untraced.facets, scattered->pdf, untraced.lights, light.pdf);
+        by_facets += scattered->weight * weight * light.radiance;
+    }
+    return by_lights / static_cast<float>(untraced.lights) + by_facets / static_cast<float>(untraced.facets);
 }
 
 glm::vec4 PathTracer::Paths::trace(Ray ray, const SobolPoint& point) const {
     glm::vec3 sum(0.0F);
     glm::vec3 throughput(1.0F);
-    float pdf = 0.0F;  // of the ray's direction; 0 where direct_light() has no part in it
-    bool left = false;
+    EnvironmentLight::Lobe lobe;
+    float pdf = 0.0F;  // of the ray's direction; 0 where light_from() has no part in it
     for (int depth = 0; depth <= settings_.max_interfaces; ++depth) {
-        const auto hit = two_interface() && left ? std::nullopt : rays_.intersect(ray.origin, ray.d);
+        const auto hit = rays_.intersect(ray.origin, ray.d);
         if (!hit) {
             if (depth == 0 && settings_.transparent) return glm::vec4(0.0F);
-            const float weight = pdf > 0.0F ? mis_weight(pdf, light_.pdf(ray.d)) : 1.0F;
-            sum += throughput * weight * light_.radiance(ray.d);
+            if (pdf > 0.0F) {
+                const EnvironmentLight::Sample light = light_.at(lobe, ray.d);
+                const float weight = mis_weight(traced.facets, pdf, traced.lights, light.pdf);
+                sum += throughput * weight * light.radiance;
+            } else {
+                sum += throughput * light_.radiance(ray.d);
+            }
             break;
         }
         const Crossing crossing = cross(*hit, ray.d);
         if (!crossing.entering) throughput *= glm::exp(-crossing.material.absorption * hit->t);
         const int dimension = first_interface_dimension + depth * interface_dimensions;
-        const bool lit = !(two_interface() && crossing.entering);
-        if (lit) sum += throughput * direct_light(crossing, point.pair(dimension + light_dimension));
-        const auto sample = crossing.surface.sample(crossing.o, point.pair(dimension + facet_dimension),
-                                                    point[dimension + choice_dimension]);
-        if (!sample) break;
-        const glm::vec3 d = crossing.frame * sample->direction;
-        const bool refracted = sample->direction.z < 0.0F;
-        // The side of the interpolated normal must be the triangle's.
-        if ((glm::dot(d, hit->geometric_normal) > 0.0F) != (refracted != crossing.entering)) break;
-        throughput *=
-            sample->weight * (refracted ? crossing.material.color : crossing.material.reflection_color);
-        left = refracted && !crossing.entering;
-        pdf = lit && refracted != crossing.entering ? sample->pdf : 0.0F;
-        ray = {beside(*hit, d), d};
+        const bool exit = two_interface() && !crossing.entering;
+        const bool lit = !two_interface() && (!crossing.entering || crossing.material.fresnel);
+        if (exit) {
+            sum += throughput * exit_light(crossing, point, dimension);
+            if (!settings_.tir) break;
+        } else if (lit) {
+            lobe = outer_lobe(crossing);
+            const glm::vec2 u = point.pair(dimension + light_dimension);
+            sum += throughput * light_from(light_.sample(lobe, u), crossing, traced);
+        }
+        const auto scattered =
+            scatter(crossing, point.pair(dimension + facet_dimension), point[dimension + choice_dimension]);
+        if (!scattered || (exit && scattered->refracted)) break;
+        throughput *= scattered->weight;
+        pdf = lit && scattered->refracted != crossing.entering ? scattered->pdf : 0.0F;
+        ray = {beside(*hit, scattered->d), scattered->d};
     }
     return {sum, 1.0F};
 }
