@@ -3,14 +3,16 @@
 
     blender --background --factory-startup --python blend_files/make_scenes.py [-- NAME ...]
 
-Every scene is one object of frosted glass at the origin under the same HDR map. All meshes but Blender's
-monkey are closed with outward normals, which is checked; the monkey is open behind its eyes, as Blender
-makes it.
+Every scene is one object of frosted glass at the origin, under the same HDR map but for the pane, which a
+sun stands behind. All meshes but Blender's monkey are closed with outward normals, which is checked; the
+monkey is open behind its eyes, as Blender makes it.
 """
 
 import sys
+from collections.abc import Callable
 from math import acos, cos, degrees, pi, radians, sin, sqrt, tan
 from pathlib import Path
+from typing import NamedTuple
 
 import bmesh
 import bpy
@@ -133,6 +135,16 @@ def slab():
     return bpy.data.objects.new("Slab", new_mesh("Slab", bm, smooth=False))
 
 
+def pane():
+    """A flat pane, 4.4 x 0.3 x 4.4, that covers the picture. Its back, away from the camera, has the second
+    material."""
+    bm = bmesh.new()
+    bmesh.ops.create_cube(bm, size=1, matrix=Matrix.Diagonal((4.4, 0.3, 4.4, 1)))
+    for face in bm.faces:
+        face.material_index = int(face.normal.y > 0.5)
+    return bpy.data.objects.new("Pane", new_mesh("Pane", bm, smooth=False))
+
+
 def gem():
     """A round brilliant with Tolkowsky's angles, radius 1.3: 57 facets, girdle of 16 sides, pointed culet.
 
@@ -172,23 +184,41 @@ def gem():
 
 # Everything else
 
-def frosted_glass(roughness):
-    material = bpy.data.materials.new("Frosted Glass")
+def glass(roughness):
+    material = bpy.data.materials.new("Frosted Glass" if roughness else "Clear Glass")
     material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     output.location = (250, 0)
-    glass = tree.nodes.new("ShaderNodeBsdfGlass")
-    glass.distribution = 'BECKMANN'
-    glass.inputs["Color"].default_value = (1, 1, 1, 1)
-    glass.inputs["Roughness"].default_value = roughness
-    glass.inputs["IOR"].default_value = 1.5
-    tree.links.new(glass.outputs["BSDF"], output.inputs["Surface"])
+    bsdf = tree.nodes.new("ShaderNodeBsdfGlass")
+    bsdf.distribution = 'BECKMANN'
+    bsdf.inputs["Color"].default_value = (1, 1, 1, 1)
+    bsdf.inputs["Roughness"].default_value = roughness
+    bsdf.inputs["IOR"].default_value = 1.5
+    tree.links.new(bsdf.outputs["BSDF"], output.inputs["Surface"])
     return material
 
 
-def world():
+def park():
+    image = bpy.data.images.load(str(FOLDER / ENVIRONMENT))
+    image.filepath = "//" + ENVIRONMENT
+    return world(image, ENVIRONMENT_ROTATION)
+
+
+def sun():
+    """A sun 1.4 degrees wide along +Y, and nothing else; its picture is stored in the .blend."""
+    width, height = 512, 256
+    image = bpy.data.images.new("Sun", width, height, float_buffer=True)
+    pixels = [0.0, 0.0, 0.0, 1.0] * (width * height)
+    for texel in (y * width + x for x in (127, 128) for y in (127, 128)):
+        pixels[4 * texel:4 * texel + 3] = [1e4] * 3
+    image.pixels.foreach_set(pixels)
+    image.pack()
+    return world(image, 0.0)
+
+
+def world(image, rotation):
     world = bpy.data.worlds.new("World")
     world.use_nodes = True
     tree = world.node_tree
@@ -199,9 +229,8 @@ def world():
         node.location = (i * 220 - (100 if i < 2 else 0), 0)
     output.location.x += 80
     background.location.x += 80
-    mapping.inputs["Rotation"].default_value = (0, 0, ENVIRONMENT_ROTATION)
-    texture.image = bpy.data.images.load(str(FOLDER / ENVIRONMENT))
-    texture.image.filepath = "//" + ENVIRONMENT
+    mapping.inputs["Rotation"].default_value = (0, 0, rotation)
+    texture.image = image
     tree.links.new(coordinates.outputs["Generated"], mapping.inputs["Vector"])
     tree.links.new(mapping.outputs["Vector"], texture.inputs["Vector"])
     tree.links.new(texture.outputs["Color"], background.inputs["Color"])
@@ -238,26 +267,35 @@ def arrange_windows():
                 space.params.directory = b"//"
 
 
-SCENES = {  # how to make it, roughness, rotation of the object
-    "monkey": (monkey, 0.35, (0, 0, 0)),
-    "sphere": (sphere, 0.35, (0, 0, 0)),
-    "lens": (lens, 0.3, (0, 0, 0)),
-    "bottle": (bottle, 0.35, (0, 0, 0)),
-    "slab": (slab, 0.4, (0, 0, radians(30))),
-    "gem": (gem, 0.25, (radians(42), radians(-12), 0)),
+class Sample(NamedTuple):
+    make_object: Callable
+    roughness: tuple  # of each material
+    rotation: tuple = (0, 0, 0)
+    make_world: Callable = park
+
+
+SCENES = {
+    "monkey": Sample(monkey, (0.35,)),
+    "sphere": Sample(sphere, (0.35,)),
+    "lens": Sample(lens, (0.3,)),
+    "bottle": Sample(bottle, (0.35,)),
+    "slab": Sample(slab, (0.4,), (0, 0, radians(30))),
+    "pane": Sample(pane, (0.35, 0.0), make_world=sun),
+    "gem": Sample(gem, (0.25,), (radians(42), radians(-12), 0)),
 }
 
 
 def make(name):
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    make_object, roughness, rotation = SCENES[name]
+    sample = SCENES[name]
     scene = bpy.context.scene
-    object = make_object()
+    object = sample.make_object()
     if object.name not in scene.collection.all_objects:
         scene.collection.objects.link(object)
-    object.rotation_euler = rotation
-    object.data.materials.append(frosted_glass(roughness))
-    scene.world = world()
+    object.rotation_euler = sample.rotation
+    for roughness in sample.roughness:
+        object.data.materials.append(glass(roughness))
+    scene.world = sample.make_world()
     scene.camera = camera()
     scene.collection.objects.link(scene.camera)
 

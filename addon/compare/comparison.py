@@ -8,7 +8,7 @@ import bpy
 
 from .. import verglas_core as core
 from ..faults import Fault
-from . import metrics
+from . import blur, metrics
 from .measured import Measured
 from .methods import METHODS, PATH_TRACED, REAL_TIME, Conditions, Picture, Subject
 from .notes import explain, explain_cost
@@ -50,6 +50,8 @@ class Comparison:
     options: Options
     truth: Truth
     methods: dict[str, Measured]
+    kappas: dict[str, float]
+    """as of blur.kappas(), by method and of the "truth"; empty where the world isn't a point sun"""
     notes: list[str]
     """whole sentences for the reader of the report"""
 
@@ -70,7 +72,9 @@ def compare(scene: bpy.types.Scene, options: Options, progress: Progress) -> Com
                for method, pictures in stages.items()}
     notes += _notes_on_what_is_missing(methods, options)
     notes += explain(subject, truth, pictures) + explain_cost(methods)
-    return Comparison(subject, options, truth, methods, list(dict.fromkeys(notes)))
+    kappas = blur.kappas(subject.core_scene, {"truth": truth.pixels, **{
+        method: picture.pixels for method, picture in pictures.items()}}, subject.mask)
+    return Comparison(subject, options, truth, methods, kappas, list(dict.fromkeys(notes)))
 
 
 def _render_all(subject: Subject, options: Options, note: Callable[[str], None],

@@ -81,8 +81,10 @@ def _report(comparison: Comparison, case: Case, command: str, notes: list[str]) 
         "truth": {
             "method": truth.method, "spp": truth.samples, "seconds": truth.seconds, "noise": truth.noise,
             "paths": options.paths, "tir": options.tir if options.paths == 'two_interface' else None,
+            **_kappa(comparison, "truth"),
         },
-        "methods": {name: _entry(measured) for name, measured in comparison.methods.items()},
+        "methods": {name: _entry(measured) | _kappa(comparison, name)
+                    for name, measured in comparison.methods.items()},
         "notes": notes,
         "command": command,
         "version": ".".join(map(str, bl_info["version"])),
@@ -99,6 +101,11 @@ def _entry(measured: Measured) -> dict:
     if measured.noise is not None:
         entry |= {"noise": measured.noise, "convergence": measured.convergence}
     return entry
+
+
+def _kappa(comparison: Comparison, name: str) -> dict[str, float]:
+    """Of the blur, where it is measured."""
+    return {"kappa": comparison.kappas[name]} if name in comparison.kappas else {}
 
 
 def _cpu() -> str:
@@ -127,6 +134,7 @@ def _page(report: dict, comparison: Comparison, folder: Path, overview: str) -> 
         "zooms": pages.options({str(zoom): f"{zoom} x" for zoom in (1, 2, 3, 4, 6, 8)}, _zoom(width)),
         "width": str(width),
         "numbers": _numbers(methods),
+        "blur": _blur(report["truth"], methods),
         "plots": "".join(
             pages.section(title, f'<img class="plot" src="{file}" alt="{escape(title)}">')
             for file, title in (("error_over_cost.svg", "Error over cost"),
@@ -179,6 +187,21 @@ def _numbers(methods: dict[str, dict]) -> str:
 
     heads = ["", "Seconds", *COLUMNS.values(), "Samples", "Own noise"]
     return pages.table(heads, (row(name, entry) for name, entry in methods.items()))
+
+
+def _blur(truth: dict, methods: dict[str, dict]) -> str:
+    """A table of the blur, where it is measured."""
+    if "kappa" not in truth:
+        return ""
+    found = {"truth": truth["kappa"],
+             **{name: entry["kappa"] for name, entry in methods.items() if "kappa" in entry}}
+    rows = ([pages.head(name), pages.cell(pages.number(kappa, 4)),
+             pages.cell("" if name == "truth" else f"{kappa / truth['kappa'] - 1.0:+.1%}")]
+            for name, kappa in found.items())
+    hint = ("Concentration (kappa) of the lobe through which the glass shows the sun, the world's only light: "
+            "the lower, the wider. It is exact for glass with parallel sides.")
+    return pages.section("Blur", pages.table(["", "Kappa", "To the truth's"], rows)
+                         + f'\n<p class="hint">{hint}</p>')
 
 
 def _text(key: str, value: float | None) -> str:

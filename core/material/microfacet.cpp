@@ -219,4 +219,16 @@ RoughInterface::Value RoughInterface::evaluate(const glm::vec3& o, const glm::ve
     return value;
 }
 
+// Of a facet that lies in the surface. Its normals' concentration, 2 / alpha^2, times the Jacobian of
+// reflection or refraction; at grazing exits the lobe would have no end.
+RoughInterface::Lobe RoughInterface::lobe(const glm::vec3& o, bool reflected) const {
+    const float kappa_m = 2.0F / (alpha_ * alpha_);
+    const float o_m = std::max(o.z, 1e-3F);
+    if (reflected) return {glm::vec3(-o.x, -o.y, o.z), kappa_m / (4.0F * o_m)};
+    const glm::vec3 axis = model::specular_direction(eta_, -o, glm::vec3(0.0F, 0.0F, 1.0F), model::TIR_CLAMP);
+    const float t_m = std::max(-axis.z, 0.1F);
+    const float denominator = o_m - eta_ * t_m;
+    return {axis, kappa_m * eta_ * eta_ * t_m / std::max(denominator * denominator, 1e-6F)};
+}
+
 }  // namespace verglas

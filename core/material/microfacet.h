@@ -45,6 +45,13 @@ class RoughInterface {
     };
     Value evaluate(const glm::vec3& o, const glm::vec3& i) const;
 
+    // The lobe of light that is reflected or refracted toward o, as a spherical Gaussian.
+    struct Lobe {
+        glm::vec3 axis;  // where the light comes from: above when reflected, below when refracted
+        float kappa;
+    };
+    Lobe lobe(const glm::vec3& o, bool reflected) const;
+
   private:
     glm::vec3 sample_normal(const glm::vec3& o, glm::vec2 u) const;
     float normal_pdf(const glm::vec3& o, const glm::vec3& m) const;

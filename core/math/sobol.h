@@ -19,6 +19,13 @@ class SobolPoint {
     float operator[](int dimension) const;
     glm::vec2 pair(int dimension) const { return {(*this)[dimension], (*this)[dimension + 1]}; }
 
+    // Point k of the `count` in a row that stand for this one where its sample is split.
+    SobolPoint part(std::uint32_t k, std::uint32_t count) const {
+        SobolPoint result = *this;
+        result.sample_ = sample_ * count + k;
+        return result;
+    }
+
   private:
     std::uint32_t sample_;
     std::uint64_t seed_;

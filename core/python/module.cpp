@@ -16,8 +16,8 @@
 #include "core/material/interface_lobe.h"
 #include "core/renderer.h"
 #include "core/tracing/path_tracer.h"
-#include "core/tracing/traced_renderer.h"
 #include "core/tracing/ray_scene.h"
+#include "core/tracing/traced_renderer.h"
 
 namespace py = pybind11;
 
@@ -229,6 +229,12 @@ void bind_scene(py::module_& module) {
         .def_property_readonly("name", &EnvironmentMap::name)
         .def_property_readonly("width", &EnvironmentMap::width)
         .def_property_readonly("height", &EnvironmentMap::height)
+        .def_property_readonly(
+            "pixels",
+            [](const py::object& self) {
+                const auto& map = self.cast<const EnvironmentMap&>();
+                return py::array_t<float>({map.height(), map.width(), 3}, &map.pixels().front().x, self);
+            })
         .def_property_readonly("warnings", &EnvironmentMap::warnings);
 
     py::class_<Camera> camera(module, "Camera");

@@ -114,6 +114,9 @@ class EnvironmentMap:
     @property
     def height(self) -> int: ...
     @property
+    def pixels(self) -> NDArray[np.float32]:
+        """(H, W, 3), as they were given, cleaned. A view, not to be written to."""
+    @property
     def warnings(self) -> list[str]: ...
 
 class Camera:

@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <numeric>
 
 #include "core/material/model.h"
 
 namespace verglas {
 namespace {
+
+// Concentration of a lobe as wide as half a cell of the grid.
+constexpr float cell_kappa = 100.0F;
 
 // Turns weights into cumulated shares with a 0 before them; uniform where all weights are 0. Returns their
 // sum.
@@ -37,6 +41,18 @@ Place find(const float* shares, int count, float u) {
     return {cell, width > 0.0F ? std::min((u - shares[cell]) / width, 1.0F) : 0.5F};
 }
 
+// The place of u times the sum in weights that lie `stride` apart.
+Place find_weight(const float* weights, int count, int stride, float sum, float u) {
+    float left = u * sum;
+    int i = 0;
+    while (i < count - 1 && left >= weights[i * stride]) left -= weights[i++ * stride];
+    const float weight = weights[i * stride];
+    return {i, weight > 0.0F ? std::min(left / weight, 1.0F) : 0.5F};
+}
+
+// The last of `count` parts of `size` elements, part i begun at i size / count, that holds element x.
+int part_of(int x, int size, int count) { return ((x + 1) * count - 1) / size; }
+
 }  // namespace
 
 EnvironmentLight::EnvironmentLight(const Scene& scene)
@@ -48,9 +64,8 @@ EnvironmentLight::EnvironmentLight(const Scene& scene)
                                                       std::vector<glm::vec3>(2, glm::vec3(1.0F)));
     const int width = map_->width();
     const int height = map_->height();
-    rows_.resize(height + 1);
     columns_.resize(std::size_t(height) * (width + 1));
-    std::vector<double> row_weights(height);
+    std::vector<double> row_light(height);
     std::vector<double> weights(width);
     for (int y = 0; y < height; ++y) {
         // The light of a texel reaches, by interpolation, half-way into its neighbours: their means are safe
@@ -65,9 +80,37 @@ EnvironmentLight::EnvironmentLight(const Scene& scene)
             }
         }
         const double sine = std::sin(glm::pi<double>() * (y + 0.5) / height);
-        row_weights[y] = sine * cumulate(weights, &columns_[std::size_t(y) * (width + 1)]);
+        row_light[y] = sine * cumulate(weights, &columns_[columns_of(y)]);
     }
-    cumulate(row_weights, rows_.data());
+    make_cells(row_light);
+}
+
+// row_light: of all texels of every row.
+void EnvironmentLight::make_cells(const std::vector<double>& row_light) {
+    const int width = map_->width();
+    const int height = map_->height();
+    rows_.resize(std::size_t(grid_columns) * (height + grid_rows));
+    for (int i = 0; i < grid_columns; ++i) {
+        for (int j = 0; j < grid_rows; ++j) {
+            std::vector<double> weights;
+            glm::dvec3 vector(0.0);
+            for (int y = first_row(j); y < first_row(j + 1); ++y) {
+                const float* columns = &columns_[columns_of(y)];
+                weights.push_back(row_light[y] * (columns[first_column(i + 1)] - columns[first_column(i)]));
+                for (int x = first_column(i); x < first_column(i + 1); ++x) {
+                    const glm::vec2 uv((x + 0.5F) / width, (y + 0.5F) / height);
+                    const double light = row_light[y] * (columns[x + 1] - columns[x]);
+                    vector += light * glm::dvec3(model::environment_direction(uv));
+                }
+            }
+            const int cell = i * grid_rows + j;
+            light_[cell] = static_cast<float>(cumulate(weights, &rows_[rows_of(i, j)]));
+            const glm::vec3 mean(vector / std::max(glm::length(vector), 1e-300));
+            x_[cell] = mean.x;
+            y_[cell] = mean.y;
+            z_[cell] = mean.z;
+        }
+    }
 }
 
 const glm::vec3& EnvironmentLight::texel(int x, int y) const {
@@ -76,8 +119,7 @@ const glm::vec3& EnvironmentLight::texel(int x, int y) const {
     return map_->pixels()[std::size_t(row) * map_->width() + column];
 }
 
-glm::vec3 EnvironmentLight::radiance(const glm::vec3& direction) const {
-    const glm::vec2 uv = model::environment_uv(glm::normalize(world_to_map_ * direction));
+glm::vec3 EnvironmentLight::radiance_at(glm::vec2 uv) const {
     const float x = uv.x * static_cast<float>(map_->width()) - 0.5F;
     const float y = uv.y * static_cast<float>(map_->height()) - 0.5F;
     const int i = static_cast<int>(std::floor(x));
@@ -88,32 +130,75 @@ glm::vec3 EnvironmentLight::radiance(const glm::vec3& direction) const {
                              glm::mix(texel(i, j + 1), texel(i + 1, j + 1), s), t);
 }
 
-float EnvironmentLight::uv_pdf(glm::vec2 uv) const {
-    const int width = map_->width();
-    const int height = map_->height();
-    const int x = std::clamp(static_cast<int>(uv.x * static_cast<float>(width)), 0, width - 1);
-    const int y = std::clamp(static_cast<int>(uv.y * static_cast<float>(height)), 0, height - 1);
-    const float* row = &columns_[std::size_t(y) * (width + 1)];
-    return (rows_[y + 1] - rows_[y]) * (row[x + 1] - row[x]) * static_cast<float>(width) *
-           static_cast<float>(height);
+glm::vec3 EnvironmentLight::radiance(const glm::vec3& direction) const {
+    return radiance_at(model::environment_uv(glm::normalize(world_to_map_ * direction)));
 }
 
-EnvironmentLight::Sample EnvironmentLight::sample(glm::vec2 u) const {
+EnvironmentLight::Lobe EnvironmentLight::lobe(const glm::vec3& axis, float kappa) const {
+    const glm::vec3 p = world_to_map_ * axis;
+    // (1 + kappa (1 - cos) / 8)^-8 is a spherical Gaussian with longer tails: no light is left to chance.
+    // Twice the concentration makes up for them; the lobes' concentrations are measured to give the least
+    // noise so.
+    const float sharpness = 2.0F * kappa * cell_kappa / (2.0F * kappa + cell_kappa) / 8.0F;
+    Lobe lobe;
+    lobe.rows.fill(0.0F);
+    for (int i = 0; i < grid_columns; ++i) {
+        for (int j = 0; j < grid_rows; ++j) {
+            const int cell = i * grid_rows + j;
+            float x = 1.0F + sharpness * (1.0F - (p.x * x_[cell] + p.y * y_[cell] + p.z * z_[cell]));
+            x *= x;
+            x *= x;
+            x *= x;
+            lobe.cells[cell] = light_[cell] / x;
+            lobe.rows[j] += lobe.cells[cell];
+        }
+    }
+    lobe.sum = std::accumulate(lobe.rows.begin(), lobe.rows.end(), 0.0F);
+    return lobe;
+}
+
+// Of directions in texel (x, y), at the height v of the map.
+float EnvironmentLight::pdf(const Lobe& lobe, int x, int y, float v) const {
     const int width = map_->width();
     const int height = map_->height();
-    const Place row = find(rows_.data(), height, u.y);
-    const Place column = find(&columns_[std::size_t(row.cell) * (width + 1)], width, u.x);
-    const glm::vec2 uv((static_cast<float>(column.cell) + column.within) / static_cast<float>(width),
-                       (static_cast<float>(row.cell) + row.within) / static_cast<float>(height));
+    const int i = part_of(x, width, grid_columns);
+    const int j = part_of(y, height, grid_rows);
+    const float* rows = &rows_[rows_of(i, j) + y - first_row(j)];
+    const float* columns = &columns_[columns_of(y)];
+    const float columns_share = columns[first_column(i + 1)] - columns[first_column(i)];
+    const float sine = std::sin(glm::pi<float>() * v);
+    if (lobe.sum <= 0.0F || columns_share <= 0.0F || sine < 1e-6F) return 0.0F;
+    const float share = lobe.cells[i * grid_rows + j] / lobe.sum * (rows[1] - rows[0]) *
+                        (columns[x + 1] - columns[x]) / columns_share;
+    return share * static_cast<float>(width) * static_cast<float>(height) /
+           (2.0F * glm::pi<float>() * glm::pi<float>() * sine);
+}
+
+EnvironmentLight::Sample EnvironmentLight::sample(const Lobe& lobe, glm::vec2 u) const {
+    const Place cell_row = find_weight(lobe.rows.data(), grid_rows, 1, lobe.sum, u.y);
+    const int j = cell_row.cell;
+    const Place cell_column = find_weight(&lobe.cells[j], grid_columns, grid_rows, lobe.rows[j], u.x);
+    const int i = cell_column.cell;
+    if (lobe.cells[i * grid_rows + j] <= 0.0F) return {glm::vec3(0.0F, 0.0F, 1.0F), glm::vec3(0.0F), 0.0F};
+    const Place row = find(&rows_[rows_of(i, j)], first_row(j + 1) - first_row(j), cell_row.within);
+    const int y = first_row(j) + row.cell;
+    const float* columns = &columns_[columns_of(y) + first_column(i)];
+    const int count = first_column(i + 1) - first_column(i);
+    const Place column = find(columns, count, glm::mix(columns[0], columns[count], cell_column.within));
+    const int x = first_column(i) + column.cell;
+    const glm::vec2 uv((static_cast<float>(x) + column.within) / static_cast<float>(map_->width()),
+                       (static_cast<float>(y) + row.within) / static_cast<float>(map_->height()));
     const glm::vec3 direction = glm::transpose(world_to_map_) * model::environment_direction(uv);
-    return {direction, pdf(direction)};
+    return {direction, radiance_at(uv), pdf(lobe, x, y, uv.y)};
 }
 
-float EnvironmentLight::pdf(const glm::vec3& direction) const {
+EnvironmentLight::Sample EnvironmentLight::at(const Lobe& lobe, const glm::vec3& direction) const {
     const glm::vec2 uv = model::environment_uv(glm::normalize(world_to_map_ * direction));
-    const float sine = std::sin(glm::pi<float>() * uv.y);
-    if (sine < 1e-6F) return 0.0F;
-    return uv_pdf(uv) / (2.0F * glm::pi<float>() * glm::pi<float>() * sine);
+    const int x =
+        std::clamp(static_cast<int>(uv.x * static_cast<float>(map_->width())), 0, map_->width() - 1);
+    const int y =
+        std::clamp(static_cast<int>(uv.y * static_cast<float>(map_->height())), 0, map_->height() - 1);
+    return {direction, radiance_at(uv), pdf(lobe, x, y, uv.y)};
 }
 
 }  // namespace verglas

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -8,7 +9,8 @@
 
 namespace verglas {
 
-// The unfiltered environment for path tracing: radiance, and directions drawn in proportion to it.
+// The unfiltered environment for path tracing: radiance, and directions drawn in proportion to it and to a
+// lobe of scattering.
 class EnvironmentLight {
   public:
     explicit EnvironmentLight(const Scene& scene);
@@ -16,23 +18,52 @@ class EnvironmentLight {
     // From a unit direction in world space; bilinear between texels, as Cycles and the OpenGL device.
     glm::vec3 radiance(const glm::vec3& direction) const;
 
+    static constexpr int grid_columns = 32;
+    static constexpr int grid_rows = 16;
+
+    // A distribution over the sphere. The cells of a coarse equirectangular grid are drawn in proportion to
+    // their light times the lobe in their middle; inside a cell light alone decides.
+    struct Lobe {
+        std::array<float, grid_columns * grid_rows> cells;  // column by column
+        std::array<float, grid_rows> rows;                  // their sums
+        float sum;
+    };
+    // axis: unit, in world space; kappa: concentration as of a spherical Gaussian, at least 0.
+    Lobe lobe(const glm::vec3& axis, float kappa) const;
+
     struct Sample {
         glm::vec3 direction;
-        float pdf;  // per steradian
+        glm::vec3 radiance;
+        float pdf;  // per steradian, with which the direction is drawn; 0: the sample is void
     };
     // u in [0, 1)^2.
-    Sample sample(glm::vec2 u) const;
-    float pdf(const glm::vec3& direction) const;
+    Sample sample(const Lobe& lobe, glm::vec2 u) const;
+    // What sample() would return with this unit direction.
+    Sample at(const Lobe& lobe, const glm::vec3& direction) const;
 
   private:
+    // Of the grid, as Lobe::cells.
+    using Cells = std::array<float, grid_columns * grid_rows>;
+
+    void make_cells(const std::vector<double>& row_light);
     const glm::vec3& texel(int x, int y) const;
-    float uv_pdf(glm::vec2 uv) const;
+    glm::vec3 radiance_at(glm::vec2 uv) const;
+    float pdf(const Lobe& lobe, int x, int y, float v) const;
+    int first_column(int i) const { return i * map_->width() / grid_columns; }
+    int first_row(int j) const { return j * map_->height() / grid_rows; }
+    // Where cell (i, j) begins in rows_, and row y in columns_.
+    std::size_t rows_of(int i, int j) const {
+        return std::size_t(i) * (map_->height() + grid_rows) + first_row(j) + j;
+    }
+    std::size_t columns_of(int y) const { return std::size_t(y) * (map_->width() + 1); }
 
     std::shared_ptr<const EnvironmentMap> map_;
     glm::vec3 color_;
     glm::mat3 world_to_map_;
-    std::vector<float> rows_;     // cumulated shares of the rows, from 0 to 1
-    std::vector<float> columns_;  // the same of the columns of every row
+    std::vector<float> columns_;  // of every row of texels: cumulated shares of its columns, from 0 to 1
+    std::vector<float> rows_;     // of every cell, column by column: the same of the rows of texels in it
+    Cells light_;                 // shares in all light
+    Cells x_, y_, z_;             // mean directions, in the map's space
 };
 
 }  // namespace verglas

@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/error.h"
 #include "core/material/microfacet.h"
+#include "core/math/frame.h"
 #include "core/math/pixel_filter.h"
 #include "core/math/sobol.h"
+#include "core/tracing/camera_rays.h"
 #include "core/tracing/crossing.h"
 #include "core/tracing/environment_light.h"
 #include "core/tracing/media.h"
@@ -37,20 +40,20 @@ constexpr int max_passed = 1000;
 // Paths between two calls of progress.
 constexpr int block_paths = 1 << 15;
 
-// Rotation into the frame whose Z axis is n (Duff et al. 2017).
-glm::mat3 frame_of(const glm::vec3& n) {
-    const float sign = std::copysign(1.0F, n.z);
-    const float a = -1.0F / (sign + n.z);
-    const float b = n.x * n.y * a;
-    return {glm::vec3(1.0F + sign * n.x * n.x * a, sign * b, -sign * n.x),
-            glm::vec3(b, sign + n.y * n.y * a, -n.y), n};
-}
+// How many directions an interface draws from the environment's light, and how many by its own facets.
+struct Split {
+    int lights;
+    int facets;
+};
+constexpr Split traced = {1, 1};
+// At the exit of two_interface, where none of them costs a further ray.
+constexpr Split untraced = {8, 4};
 
-// Power heuristic of two strategies with one sample each (Veach 1997).
-float mis_weight(float pdf, float other) {
-    const float p = pdf * pdf;
-    const float q = other * other;
-    return p + q > 0.0F ? p / (p + q) : 0.0F;
+// Power heuristic for a sample of one of two strategies: of so many, with this density (Veach 1997).
+float mis_weight(int samples, float pdf, int other_samples, float other_pdf) {
+    const float p = static_cast<float>(samples) * pdf;
+    const float q = static_cast<float>(other_samples) * other_pdf;
+    return p * p + q * q > 0.0F ? p * p / (p * p + q * q) : 0.0F;
 }
 
 // An interface as a path meets it.
@@ -70,6 +73,27 @@ bool has_straight_surfaces(const Scene& scene) {
     });
 }
 
+// Where a path goes on.
+struct Scattered {
+    glm::vec3 d;
+    bool refracted;
+    glm::vec3 weight;
+    float pdf;  // per steradian
+};
+
+// u, choice: as for RoughInterface::sample().
+std::optional<Scattered> scatter(const Crossing& crossing, glm::vec2 u, float choice) {
+    const auto sample = crossing.surface.sample(crossing.o, u, choice);
+    if (!sample) return std::nullopt;
+    const glm::vec3 d = crossing.frame * sample->direction;
+    const bool refracted = sample->direction.z < 0.0F;
+    // The side of the interpolated normal must be the triangle's.
+    if ((glm::dot(d, crossing.hit.geometric_normal) > 0.0F) != (refracted != crossing.entering))
+        return std::nullopt;
+    const glm::vec3& color = refracted ? crossing.material.color : crossing.material.reflection_color;
+    return Scattered{d, refracted, sample->weight * color, sample->pdf};
+}
+
 }  // namespace
 
 class PathTracer::Paths {
@@ -77,11 +101,12 @@ class PathTracer::Paths {
     Paths(const Scene& scene, const PathSettings& settings)
         : scene_(scene),
           settings_(settings),
+          camera_(scene.camera, settings.size),
           rays_(scene),
           light_(scene),
           has_straight_surfaces_(has_straight_surfaces(scene)) {}
 
-    Ray camera_ray(glm::vec2 pixel) const;
+    const CameraRays& camera() const { return camera_; }
     glm::vec4 trace(Ray ray, const SobolPoint& point) const;
     glm::vec4 normal_depth(const Ray& ray) const;
 
@@ -91,28 +116,24 @@ class PathTracer::Paths {
     std::optional<Hit> next_interface(Ray& ray, MediumStack& media, glm::vec3& throughput) const;
     glm::vec3 escape(Ray ray, MediumStack media) const;
     Crossing cross(const Hit& hit, const glm::vec3& d, const MediumStack& media) const;
-    glm::vec3 direct_light(const Crossing& crossing, MediumStack media, glm::vec2 u) const;
+    EnvironmentLight::Lobe outer_lobe(const Crossing& crossing) const;
+    glm::vec3 light_from(const EnvironmentLight::Sample& light, const Crossing& crossing, MediumStack media,
+                         Split split) const;
+    glm::vec3 exit_light(const Crossing& crossing, const MediumStack& media, const SobolPoint& point,
+                         int dimension) const;
 
     const Scene& scene_;
     const PathSettings& settings_;
+    CameraRays camera_;
     RayScene rays_;
     EnvironmentLight light_;
     bool has_straight_surfaces_;
-    glm::mat4 clip_to_world_ = glm::inverse(scene_.camera.projection * scene_.camera.view);
 };
-
-Ray PathTracer::Paths::camera_ray(glm::vec2 pixel) const {
-    const glm::vec2 ndc = 2.0F * pixel / glm::vec2(settings_.size) - 1.0F;
-    const glm::vec4 near = clip_to_world_ * glm::vec4(ndc, -1.0F, 1.0F);
-    const glm::vec4 far = clip_to_world_ * glm::vec4(ndc, 1.0F, 1.0F);
-    const glm::vec3 origin = glm::vec3(near) / near.w;
-    return {origin, glm::normalize(glm::vec3(far) / far.w - origin)};
-}
 
 glm::vec4 PathTracer::Paths::normal_depth(const Ray& ray) const {
     const auto hit = rays_.intersect(ray.origin, ray.d);
     if (!hit) return {0.0F, 0.0F, 0.0F, 1e10F};
-    return {hit->normal, -(scene_.camera.view * glm::vec4(hit->position, 1.0F)).z};
+    return {hit->normal, camera_.depth(hit->position)};
 }
 
 // Blender's Refraction BSDF, without Fresnel, has no reflection.
@@ -157,14 +178,18 @@ Crossing PathTracer::Paths::cross(const Hit& hit, const glm::vec3& d, const Medi
     return {hit, material, entering, frame, glm::transpose(frame) * -d, surface};
 }
 
-// Light of the environment that an interface sends toward o, by directions drawn from the environment. media:
-// those on the side of o.
-glm::vec3 PathTracer::Paths::direct_light(const Crossing& crossing, MediumStack media, glm::vec2 u) const {
+// For light from outside: that an interface reflects to a path that is outside, or refracts to one inside.
+EnvironmentLight::Lobe PathTracer::Paths::outer_lobe(const Crossing& crossing) const {
+    const RoughInterface::Lobe lobe = crossing.surface.lobe(crossing.o, crossing.entering);
+    return light_.lobe(crossing.frame * lobe.axis, lobe.kappa);
+}
+
+// Light that an interface sends toward o from a direction drawn from the environment; the split's others
+// aside. media: those on the side of o.
+glm::vec3 PathTracer::Paths::light_from(const EnvironmentLight::Sample& light, const Crossing& crossing,
+                                        MediumStack media, Split split) const {
     const Hit& hit = crossing.hit;
-    const EnvironmentLight::Sample light = light_.sample(u);
-    if (light.pdf <= 0.0F) return glm::vec3(0.0F);
-    // Light comes from outside: to a path that is outside by reflection, to one that is inside by refraction.
-    if (glm::dot(light.direction, hit.geometric_normal) <= 0.0F) return glm::vec3(0.0F);
+    if (light.pdf <= 0.0F || glm::dot(light.direction, hit.geometric_normal) <= 0.0F) return glm::vec3(0.0F);
     const glm::vec3 i = glm::transpose(crossing.frame) * light.direction;
     if ((i.z > 0.0F) != crossing.entering) return glm::vec3(0.0F);
     const RoughInterface::Value value = crossing.surface.evaluate(crossing.o, i);
@@ -172,9 +197,31 @@ glm::vec3 PathTracer::Paths::direct_light(const Crossing& crossing, MediumStack 
     if (i.z < 0.0F) media.cross(hit, crossing.entering);
     const glm::vec3 visible =
         two_interface() ? glm::vec3(1.0F) : escape({beside(hit, light.direction), light.direction}, media);
-    const glm::vec3 color = i.z > 0.0F ? crossing.material.reflection_color : crossing.material.color;
-    return visible * color * (value.f_cos / light.pdf * mis_weight(light.pdf, value.pdf)) *
-           light_.radiance(light.direction);
+    const glm::vec3 color = crossing.entering ? crossing.material.reflection_color : crossing.material.color;
+    const float weight = mis_weight(split.lights, light.pdf, split.facets, value.pdf);
+    return visible * color * (value.f_cos / light.pdf * weight) * light.radiance;
+}
+
+// All light of the environment that a path inside meets by leaving here.
+glm::vec3 PathTracer::Paths::exit_light(const Crossing& crossing, const MediumStack& media,
+                                        const SobolPoint& point, int dimension) const {
+    const EnvironmentLight::Lobe lobe = outer_lobe(crossing);
+    glm::vec3 by_lights(0.0F);
+    for (int k = 0; k < untraced.lights; ++k) {
+        const glm::vec2 u = point.part(k, untraced.lights).pair(dimension + light_dimension);
+        by_lights += light_from(light_.sample(lobe, u), crossing, media, untraced);
+    }
+    glm::vec3 by_facets(0.0F);
+    for (int k = 0; k < untraced.facets; ++k) {
+        const SobolPoint part = point.part(k, untraced.facets);
+        const auto scattered =
+            scatter(crossing, part.pair(dimension + facet_dimension), part[dimension + choice_dimension]);
+        if (!scattered || !scattered->refracted) continue;
+        const EnvironmentLight::Sample light = light_.at(lobe, scattered->d);
+        const float weight = mis_weight(untraced.facets, scattered->pdf, untraced.lights, light.pdf);
+        by_facets += scattered->weight * weight * light.radiance;
+    }
+    return by_lights / static_cast<float>(untraced.lights) + by_facets / static_cast<float>(untraced.facets);
 }
 
 glm::vec4 PathTracer::Paths::trace(Ray ray, const SobolPoint& point) const {
@@ -182,33 +229,40 @@ glm::vec4 PathTracer::Paths::trace(Ray ray, const SobolPoint& point) const {
     glm::vec3 throughput(1.0F);
     const glm::vec3 eye = ray.origin;
     MediumStack media;
-    float pdf = 0.0F;  // of the ray's direction; 0 where direct_light() has no part in it
-    bool left = false;
+    EnvironmentLight::Lobe lobe;
+    float pdf = 0.0F;  // of the ray's direction; 0 where light_from() has no part in it
     for (int depth = 0; depth <= settings_.max_interfaces; ++depth) {
-        const auto hit = two_interface() && left ? std::nullopt : next_interface(ray, media, throughput);
+        const auto hit = next_interface(ray, media, throughput);
         if (!hit) {
             if (ray.origin == eye && settings_.transparent) return glm::vec4(0.0F);
-            const float weight = pdf > 0.0F ? mis_weight(pdf, light_.pdf(ray.d)) : 1.0F;
-            sum += throughput * weight * light_.radiance(ray.d);
+            if (pdf > 0.0F) {
+                const EnvironmentLight::Sample light = light_.at(lobe, ray.d);
+                const float weight = mis_weight(traced.facets, pdf, traced.lights, light.pdf);
+                sum += throughput * weight * light.radiance;
+            } else {
+                sum += throughput * light_.radiance(ray.d);
+            }
             break;
         }
         const Crossing crossing = cross(*hit, ray.d, media);
         const int dimension = first_interface_dimension + depth * interface_dimensions;
-        const bool lit = !(two_interface() && crossing.entering);
-        if (lit) sum += throughput * direct_light(crossing, media, point.pair(dimension + light_dimension));
-        const auto sample = crossing.surface.sample(crossing.o, point.pair(dimension + facet_dimension),
-                                                    point[dimension + choice_dimension]);
-        if (!sample) break;
-        const glm::vec3 d = crossing.frame * sample->direction;
-        const bool refracted = sample->direction.z < 0.0F;
-        // The side of the interpolated normal must be the triangle's.
-        if ((glm::dot(d, hit->geometric_normal) > 0.0F) != (refracted != crossing.entering)) break;
-        throughput *=
-            sample->weight * (refracted ? crossing.material.color : crossing.material.reflection_color);
-        left = refracted && !crossing.entering;
-        pdf = lit && refracted != crossing.entering ? sample->pdf : 0.0F;
-        if (refracted) media.cross(*hit, crossing.entering);
-        ray = {beside(*hit, d), d};
+        const bool exit = two_interface() && !crossing.entering;
+        const bool lit = !two_interface() && (!crossing.entering || crossing.material.fresnel);
+        if (exit) {
+            sum += throughput * exit_light(crossing, media, point, dimension);
+            if (!settings_.tir) break;
+        } else if (lit) {
+            lobe = outer_lobe(crossing);
+            const glm::vec2 u = point.pair(dimension + light_dimension);
+            sum += throughput * light_from(light_.sample(lobe, u), crossing, media, traced);
+        }
+        const auto scattered =
+            scatter(crossing, point.pair(dimension + facet_dimension), point[dimension + choice_dimension]);
+        if (!scattered || (exit && scattered->refracted)) break;
+        throughput *= scattered->weight;
+        pdf = lit && scattered->refracted != crossing.entering ? scattered->pdf : 0.0F;
+        if (scattered->refracted) media.cross(*hit, crossing.entering);
+        ray = {beside(*hit, scattered->d), scattered->d};
     }
     return {sum, 1.0F};
 }
@@ -236,8 +290,8 @@ void PathTracer::trace_row(int row) {
         const glm::vec2 center(x + 0.5F, y + 0.5F);
         const glm::vec2 offset = blackman_harris_offset(point.pair(filter_dimension), settings_.filter_width);
         const std::size_t place = std::size_t(row) * rect_.size().x + (x - rect_.begin.x);
-        sums_[place] += paths_->trace(paths_->camera_ray(center + offset), point);
-        if (sample == 0) normal_depth_[place] = paths_->normal_depth(paths_->camera_ray(center));
+        sums_[place] += paths_->trace(paths_->camera().through(center + offset), point);
+        if (sample == 0) normal_depth_[place] = paths_->normal_depth(paths_->camera().through(center));
     }
 }
 

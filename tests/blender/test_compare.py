@@ -26,6 +26,8 @@ from verglas.faults import Fault
 
 COMPARE = Path(verglas.__file__).parent / "cli" / "compare.py"
 
+PANE = str(Path(__file__).parents[2] / "blend_files" / "pane.blend")
+
 SMALL = methods.Conditions(48, 36, samples=2)
 
 
@@ -344,6 +346,32 @@ def test_report(file, tmp_path):
             "error_over_cost.svg"} <= linked
     assert all((folder / path).is_file() for path in linked)
     assert "http" not in re.sub(r"http://www.w3.org\S*", "", (folder / "index.html").read_text())
+
+
+@pytest.mark.parametrize("roughness", (0.35, 0.5))
+def test_blur_of_a_flat_pane(tmp_path, roughness):
+    """A user loses: a pane, frosted on one side, that blurs what is behind it as much as it should, and a
+    researcher the numbers that tell how far the paper's method, which drops the front's blur here, is off."""
+    scene = cases.open_case(cases.Case(PANE))
+    front = scene.objects["Pane"].data.materials[0]
+    node_of(front.node_tree, 'ShaderNodeBsdfGlass').inputs["Roughness"].default_value = roughness
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "pane.blend"))
+    assert run([cases.Case(str(tmp_path / "pane.blend"), name="pane")], tmp_path, methods=("bundle", "paper"),
+               paths='two_interface', spp=32, samples=1, size=(96, 96))
+    report = json.loads((tmp_path / "report.json").read_text())
+    truth = report["truth"]["kappa"]
+    bundle, paper = (report["methods"][method]["kappa"] for method in ("bundle", "paper"))
+    print(f"pane, rough front {roughness}, smooth back: kappa {truth:.1f}, bundle {bundle:.1f}, paper {paper:.1f}")
+    # Beckmann's slopes have the variance alpha^2 / 2 each way; where all angles are small, a facet that is tilted
+    # by t turns light by (1 - 1 / eta) t, and the back makes (eta - 1) t of that.
+    assert truth == pytest.approx(2.0 / (roughness ** 2 * 0.5) ** 2, rel=0.1)
+    assert bundle == pytest.approx(truth, rel=0.1)
+    assert f"<td class=\"\">{paper:.4g}</td>" in (tmp_path / "index.html").read_text()
+
+
+def test_blur_is_only_told_of_a_point_sun(glass):
+    """Under a sky the number would mean nothing."""
+    assert not compare(glass, Options(("bundle",), spp=2), silent()).kappas
 
 
 def test_report_holds_the_pictures_that_were_measured(file, tmp_path):

@@ -82,7 +82,8 @@ TEST(RoughInterface, WeightIsValueOverDensity) {
     }
 }
 
-// A researcher loses: noise-free skies; directions are drawn with the density that is claimed for them.
+// A researcher loses: noise-free skies; directions are drawn with the density that is claimed for them,
+// around whatever lobe.
 TEST(EnvironmentLight, DensityIsNormalisedAndFollowsTheLight) {
     std::vector<vec3> pixels(64 * 32, vec3(0.1F));
     pixels[20 * 64 + 40] = vec3(500.0F);
@@ -90,16 +91,6 @@ TEST(EnvironmentLight, DensityIsNormalisedAndFollowsTheLight) {
     scene.environment_map = std::make_shared<const EnvironmentMap>("sun", 64, 32, pixels);
     scene.environment_color = vec3(1.0F);
     const EnvironmentLight light(scene);
-    std::mt19937 random(2);
-    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
-    double mean_inverse = 0.0;
-    double radiance = 0.0;
-    constexpr int count = 200000;
-    for (int i = 0; i < count; ++i) {
-        const auto sample = light.sample(vec2(unit(random), unit(random)));
-        mean_inverse += 1.0 / sample.pdf / count;
-        radiance += light.radiance(sample.direction).g / sample.pdf / count;
-    }
     double truth = 0.0;
     for (int y = 0; y < 32 * 8; ++y) {
         const double theta = glm::pi<double>() * (y + 0.5) / 256.0;
@@ -111,8 +102,32 @@ TEST(EnvironmentLight, DensityIsNormalisedAndFollowsTheLight) {
                      (2.0 * glm::pi<double>() / 512.0);
         }
     }
-    EXPECT_NEAR(mean_inverse / (4.0 * glm::pi<double>()), 1.0, 0.03);
-    EXPECT_NEAR(radiance / truth, 1.0, 0.02);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<float> unit(0.0F, 1.0F);
+    const vec3 axis = glm::normalize(vec3(0.5F, -0.3F, 0.6F));
+    for (const float kappa : {0.0F, 0.5F}) {
+        const EnvironmentLight::Lobe lobe = light.lobe(axis, kappa);
+        double mean_inverse = 0.0;
+        double radiance = 0.0;
+        double claimed = 0.0;  // the density of a drawn direction, over that with which it was drawn
+        constexpr int count = 200000;
+        for (int i = 0; i < count; ++i) {
+            const auto sample = light.sample(lobe, vec2(unit(random), unit(random)));
+            claimed += light.at(lobe, sample.direction).pdf / sample.pdf / count;
+            mean_inverse += 1.0 / sample.pdf / count;
+            radiance += light.radiance(sample.direction).g / sample.pdf / count;
+        }
+        EXPECT_NEAR(mean_inverse / (4.0 * glm::pi<double>()), 1.0, 0.03) << kappa;
+        EXPECT_NEAR(radiance / truth, 1.0, 0.02) << kappa;
+        EXPECT_NEAR(claimed, 1.0, 0.001) << kappa;
+    }
+    const EnvironmentLight::Lobe narrow = light.lobe(axis, 1e6F);
+    double near = 0.0;
+    for (int i = 0; i < 1000; ++i) {
+        const auto sample = light.sample(narrow, vec2(unit(random), unit(random)));
+        near += glm::dot(sample.direction, axis) > 0.8F ? 1e-3 : 0.0;
+    }
+    EXPECT_GT(near, 0.9);
 }
 
 Scene glass_sphere(float roughness, Ndf ndf) {
@@ -196,6 +211,24 @@ TEST(PathTracer, WhiteFurnace) {
             EXPECT_LE(mean, last);
             EXPECT_GE(mean, roughness < 0.1F ? 0.995 : 0.4);
             last = mean;
+        }
+    }
+}
+
+// A researcher loses: a truth of two interfaces without bias. A sphere that reflects nothing is left by its
+// second interface for good, so that paths of all interfaces, with one direction each, have the same mean as
+// the many directions that are drawn at a second interface.
+TEST(PathTracer, TwoInterfacesAreAllOfASphereWithoutReflection) {
+    std::vector<vec3> pixels(64 * 32, vec3(0.1F));
+    for (int y = 14; y < 20; ++y) std::fill_n(&pixels[y * 64 + 14], 6, vec3(10.0F));
+    for (const Ndf ndf : ndfs) {
+        for (const float roughness : {0.3F, 0.7F}) {
+            Scene scene = glass_sphere(roughness, ndf);
+            scene.materials[0].fresnel = false;
+            scene.environment_map = std::make_shared<const EnvironmentMap>("sun", 64, 32, pixels);
+            const double all = mean_inside(render(scene, settings_of(PathMode::Full), 64));
+            const double two = mean_inside(render(scene, settings_of(PathMode::TwoInterface), 32));
+            EXPECT_NEAR(two / all, 1.0, 0.003) << int(ndf) << " " << roughness;
         }
     }
 }
