@@ -39,11 +39,10 @@ class Mesh {
     const glm::vec3& upper() const { return upper_; }
 
   private:
-    std::vector<bool> usable_triangles(const std::vector<glm::uvec3>& triangles);
+    std::vector<char> find_usable(const std::vector<glm::uvec3>& triangles);
     void sort_by_slot(const std::vector<glm::uvec3>& triangles, const std::vector<std::uint16_t>& slots,
-                      const std::vector<bool>& usable);
+                      const std::vector<char>& usable);
     void mend_normals();
-    void find_bounds();
 
     std::string name_;
     std::vector<glm::vec3> positions_;

@@ -7,21 +7,40 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
+#include <map>
+#include <string_view>
 #include <unordered_map>
+#include <unordered_set>
+#include <utility>
 
 #include "core/error.h"
+#include "core/tracing/refit_cost.h"
 
 namespace verglas {
 namespace {
 
+// Beyond this refit_cost() a tree is built anew, which takes twenty times as long as to refit it.
+constexpr float most_refit_cost = 1.3F;
+
 // Embree reads vertices 16 bytes at a time: the last one must be followed by 4 more bytes, so they are
 // copied.
-glm::vec3* new_vertices(RTCGeometry geometry, std::size_t count) {
-    return static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
-                                                           RTC_FORMAT_FLOAT3, sizeof(glm::vec3), count));
+void set_new_vertices(RTCGeometry geometry, const Mesh& mesh) {
+    const std::vector<glm::vec3>& positions = mesh.positions();
+    auto* vertices = static_cast<glm::vec3*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), positions.size()));
+    if (vertices != nullptr) std::copy(positions.begin(), positions.end(), vertices);
+}
+
+void update_vertices(RTCGeometry geometry, const Mesh& mesh) {
+    auto* vertices = static_cast<glm::vec3*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+    std::copy(mesh.positions().begin(), mesh.positions().end(), vertices);
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
 }
 
 void share_indices(RTCGeometry geometry, const Mesh& mesh) {
@@ -128,6 +147,29 @@ void set_lane(Lanes& lanes, int i, const Ray& ray) {
     lanes.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
 }
 
+// Embree's debug checks, which distributions leave on, end the process over rays that overflow when they are
+// squared, in world space or in an object's: 1.8e19 and beyond, with NaN. What comes near is left out.
+constexpr float most_coordinate = 1e8F;
+constexpr float most_inverse_scale = 1e9F;
+
+bool is_traceable(const glm::vec3& origin, const glm::vec3& d) {
+    const glm::vec3 p = glm::abs(origin);
+    return p.x <= most_coordinate && p.y <= most_coordinate && p.z <= most_coordinate &&
+           glm::dot(d, d) <= 4.0F;
+}
+
+// Objects that are scaled to nothing aren't.
+bool is_traceable(const glm::mat4& matrix) {
+    const glm::mat3 inverse = glm::inverse(glm::mat3(matrix));
+    for (int column = 0; column < 3; ++column) {
+        if (std::abs(matrix[3][column]) > most_coordinate) return false;
+        for (int row = 0; row < 3; ++row) {
+            if (!(std::abs(inverse[column][row]) <= most_inverse_scale)) return false;
+        }
+    }
+    return true;
+}
+
 // Rays of a packet whose directions are within 11 degrees of the first's are followed as one frustum; others
 // would be slowed down by that.
 constexpr float coherent_cosine = 0.98F;
@@ -150,6 +192,11 @@ void RayScene::Release::operator()(RTCSceneTy* scene) const { rtcReleaseScene(sc
 
 RayScene::RayScene() : device_(rtcNewDevice(nullptr)) {
     if (!device_) throw Error("Embree can't be started on this processor.");
+    // Embree keeps errors by thread; it builds on many.
+    rtcSetDeviceErrorFunction(
+        device_.get(),
+        [](void* error, RTCError code, const char*) { static_cast<std::atomic<int>*>(error)->store(code); },
+        &error_);
     packet_width_ = native_width(device_.get());
     build_top();
 }
@@ -157,86 +204,102 @@ RayScene::RayScene() : device_(rtcNewDevice(nullptr)) {
 RayScene::RayScene(const Scene& scene) : RayScene() { update(scene); }
 
 void RayScene::update(const Scene& scene) {
-    bool changed = update_trees(scene);
+    const bool new_trees = update_trees(scene);
     std::unordered_map<const Mesh*, RTCScene> trees;
     for (const Tree& tree : trees_) trees[tree.mesh.get()] = tree.scene.get();
     std::vector<Placed> objects;
     for (const Object& object : scene.objects) {
-        if (object.mesh->indices().empty()) continue;
+        if (object.mesh->indices().empty() || !is_traceable(object.matrix)) continue;
         objects.push_back({object.mesh, trees.at(object.mesh.get()), object.matrix,
                            glm::transpose(glm::inverse(glm::mat3(object.matrix))), object.materials,
                            static_cast<int>(&object - scene.objects.data())});
     }
-    changed = changed || !std::equal(objects.begin(), objects.end(), objects_.begin(), objects_.end(),
-                                     [](const Placed& a, const Placed& b) {
-                                         return a.tree == b.tree && a.matrix == b.matrix;
-                                     });
+    const bool moved = !std::equal(
+        objects.begin(), objects.end(), objects_.begin(), objects_.end(),
+        [](const Placed& a, const Placed& b) { return a.tree == b.tree && a.matrix == b.matrix; });
     objects_ = std::move(objects);
-    if (changed) build_top();
-    check();
+    if (new_trees || moved) build_top();
+    if (const int error = error_.exchange(RTC_ERROR_NONE); error != RTC_ERROR_NONE) {
+        trees_.clear();
+        objects_.clear();
+        build_top();
+        throw Error(error == RTC_ERROR_OUT_OF_MEMORY
+                        ? "There isn't enough memory to trace rays through the scene."
+                        : "Embree failed with its error " + std::to_string(error) + ".");
+    }
 }
 
-// Whether any tree was built or refit.
+// Whether any tree is new or deformed.
 bool RayScene::update_trees(const Scene& scene) {
-    std::vector<std::shared_ptr<const Mesh>> unknown;
-    std::unordered_map<const Mesh*, bool> kept;  // the scene's meshes, and whether they had a tree before
-    for (const Object& object : scene.objects) {
-        if (!object.mesh->indices().empty()) kept[object.mesh.get()] = false;
-    }
-    std::vector<Tree> left;
+    std::unordered_set<const Mesh*> old;
+    std::unordered_set<const Mesh*> wanted;
+    for (const Object& object : scene.objects) wanted.insert(object.mesh.get());
+    std::multimap<std::string_view, Tree> gone;  // by name; the same names in their order
     std::vector<Tree> trees;
-    for (Tree& tree : trees_) {
-        const auto found = kept.find(tree.mesh.get());
-        if (found != kept.end()) found->second = true;
-        (found != kept.end() ? trees : left).push_back(std::move(tree));
+    for (Tree& tree : std::exchange(trees_, {})) {
+        const Mesh& mesh = *tree.mesh;
+        old.insert(&mesh);
+        if (wanted.count(&mesh) > 0)
+            trees.push_back(std::move(tree));
+        else
+            gone.emplace(mesh.name(), std::move(tree));
     }
-    bool changed = false;
+    const std::size_t kept = trees.size();
     for (const Object& object : scene.objects) {
-        const auto found = kept.find(object.mesh.get());
-        if (found == kept.end() || found->second) continue;
-        found->second = changed = true;
-        const auto same = std::find_if(left.begin(), left.end(), [&](const Tree& tree) {
-            return same_triangles(*tree.mesh, *object.mesh);
-        });
-        if (same == left.end()) {
-            trees.push_back(build(object.mesh));
+        if (object.mesh->indices().empty() || !old.insert(object.mesh.get()).second) continue;
+        const auto [first, last] = gone.equal_range(object.mesh->name());
+        const auto same = std::find_if(
+            first, last, [&](const auto& entry) { return same_triangles(*entry.second.mesh, *object.mesh); });
+        if (same != last) {
+            trees.push_back(std::move(same->second));
+            gone.erase(same);
         } else {
-            trees.push_back(std::move(*same));
-            left.erase(same);
-            refit(trees.back(), object.mesh);
+            trees.emplace_back();
         }
+        trees.back().mesh = object.mesh;
     }
+    tbb::parallel_for(kept, trees.size(), [&](std::size_t i) {
+        if (trees[i].scene)
+            deform(trees[i]);
+        else
+            build(trees[i]);
+    });
+    const bool changed = trees.size() > kept;
     trees_ = std::move(trees);
     return changed;
 }
 
-RayScene::Tree RayScene::build(std::shared_ptr<const Mesh> mesh) const {
-    Tree tree{std::move(mesh), ScenePointer(rtcNewScene(device_.get())),
-              GeometryPointer(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE))};
+void RayScene::build(Tree& tree) const {
+    tree.built = tree.mesh;
+    tree.scene.reset(rtcNewScene(device_.get()));
+    tree.geometry.reset(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
     RTCGeometry geometry = tree.geometry.get();
-    const std::vector<glm::vec3>& positions = tree.mesh->positions();
-    std::copy(positions.begin(), positions.end(), new_vertices(geometry, positions.size()));
+    set_new_vertices(geometry, *tree.mesh);
     share_indices(geometry, *tree.mesh);
+    // The first build is a full one, by the surface area heuristic. Only scenes of these flags refit.
+    rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_REFIT);
+    rtcSetSceneBuildQuality(tree.scene.get(), RTC_BUILD_QUALITY_LOW);
+    rtcSetSceneFlags(tree.scene.get(),
+                     static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_DYNAMIC | RTC_SCENE_FLAG_ROBUST));
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(tree.scene.get(), geometry);
-    rtcSetSceneFlags(tree.scene.get(), RTC_SCENE_FLAG_ROBUST);
     rtcCommitScene(tree.scene.get());
-    return tree;
 }
 
-void RayScene::refit(Tree& tree, std::shared_ptr<const Mesh> mesh) const {
+void RayScene::deform(Tree& tree) const {
     RTCGeometry geometry = tree.geometry.get();
-    auto* vertices = static_cast<glm::vec3*>(rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
-    std::copy(mesh->positions().begin(), mesh->positions().end(), vertices);
-    share_indices(geometry, *mesh);
-    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    update_vertices(geometry, *tree.mesh);
+    if (refit_cost(*tree.built, *tree.mesh) > most_refit_cost) {
+        tree.built = tree.mesh;
+        share_indices(geometry, *tree.mesh);  // Embree takes them for others and builds
+    }
     rtcCommitGeometry(geometry);
     rtcCommitScene(tree.scene.get());
-    tree.mesh = std::move(mesh);
 }
 
 void RayScene::build_top() {
     top_.reset(rtcNewScene(device_.get()));
+    rtcSetSceneFlags(top_.get(), RTC_SCENE_FLAG_ROBUST);
     for (unsigned i = 0; i < objects_.size(); ++i) {
         const GeometryPointer instance(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_INSTANCE));
         rtcSetGeometryInstancedScene(instance.get(), objects_[i].tree);
@@ -246,12 +309,6 @@ void RayScene::build_top() {
         rtcAttachGeometryByID(top_.get(), instance.get(), i);
     }
     rtcCommitScene(top_.get());
-}
-
-void RayScene::check() const {
-    const RTCError error = rtcGetDeviceError(device_.get());
-    if (error == RTC_ERROR_OUT_OF_MEMORY) throw Error("There isn't enough memory for the scene's rays.");
-    if (error != RTC_ERROR_NONE) throw Error("Embree failed with error " + std::to_string(error) + ".");
 }
 
 int RayScene::Placed::material_of(std::uint32_t triangle) const {
@@ -286,6 +343,7 @@ Hit RayScene::Placed::hit(float t, std::uint32_t triangle, float u, float v, con
 }
 
 std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3& d) const {
+    if (!is_traceable(origin, d)) return std::nullopt;
     RTCRayHit query{};
     query.ray = make_ray(origin, d);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -320,7 +378,7 @@ void RayScene::intersect_packets(std::span<const Ray> rays, std::span<Hit> hits)
         for (int i = 0; i < width; ++i) {
             const Ray& ray = rays[first + std::min(i, count - 1)];
             set_lane(packet.lanes, i, ray);
-            valid[i] = i < count ? -1 : 0;
+            valid[i] = i < count && is_traceable(ray.origin, ray.d) ? -1 : 0;
             cosine = std::min(cosine, glm::dot(ray.d, rays[first].d));
         }
         intersect_packet(Packet<width>::intersect, valid, top_.get(), packet.lanes,
@@ -337,6 +395,7 @@ void RayScene::intersect_packets(std::span<const Ray> rays, std::span<Hit> hits)
 }
 
 bool RayScene::escapes(const glm::vec3& origin, const glm::vec3& d) const {
+    if (!is_traceable(origin, d)) return true;
     RTCRay ray = make_ray(origin, d);
     occlude_one(top_.get(), ray);
     return ray.tfar >= 0.0F;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -50,12 +51,15 @@ class RayScene {
 
     // Follows the scene and builds only what has changed. A mesh is known again by its identity; one of the
     // same name and triangles as another that has gone takes over its tree, which is refit to the new
-    // positions. Throws Error where memory doesn't suffice.
+    // positions as long as that pays. Objects that are scaled to nothing aren't there. Throws Error where
+    // memory doesn't suffice.
     void update(const Scene& scene);
 
-    // The nearest surface beyond t = 0.
+    // The nearest surface beyond t = 0. Rays with values that aren't finite, or come from farther away than
+    // 1e8, meet nothing.
     std::optional<Hit> intersect(const glm::vec3& origin, const glm::vec3& d) const;
-    // The same of many rays; Hit::none() where nothing is met. hits: as many as rays.
+    // The same of many rays; Hit::none() where nothing is met. hits: as many as rays. Neighbours should go
+    // similar ways: the same ray of eight pixels' bundles one after the other, not the four of each pixel.
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
     // Whether nothing lies on the way to infinity.
     bool escapes(const glm::vec3& origin, const glm::vec3& d) const;
@@ -72,6 +76,7 @@ class RayScene {
     // Of one mesh.
     struct Tree {
         std::shared_ptr<const Mesh> mesh;
+        std::shared_ptr<const Mesh> built;  // what the tree was built for; lends Embree its indices
         ScenePointer scene;
         GeometryPointer geometry;  // the scene's only one
     };
@@ -90,13 +95,13 @@ class RayScene {
     };
 
     bool update_trees(const Scene& scene);
-    Tree build(std::shared_ptr<const Mesh> mesh) const;
-    void refit(Tree& tree, std::shared_ptr<const Mesh> mesh) const;
+    void build(Tree& tree) const;
+    void deform(Tree& tree) const;
     void build_top();
-    void check() const;
     template <int width>
     void intersect_packets(std::span<const Ray> rays, std::span<Hit> hits) const;
 
+    std::atomic<int> error_{0};  // Embree's last; outlives the device
     std::unique_ptr<RTCDeviceTy, Release> device_;
     int packet_width_ = 0;
     std::vector<Tree> trees_;

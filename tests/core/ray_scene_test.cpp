@@ -8,6 +8,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
+#include "core/tracing/refit_cost.h"
+
 namespace verglas {
 namespace {
 
@@ -124,7 +126,7 @@ Truth truth_of(const Scene& scene, const Ray& ray) {
 }
 
 // Rays through an edge may meet either triangle: a few in ten thousand.
-void expect_truth(const RayScene& rays, const Scene& scene, int count = 400) {
+void expect_truth(const RayScene& rays, const Scene& scene, int count = 400, float precision = 1e-5F) {
     const std::vector<Ray> asked = random_rays(count);
     std::vector<Hit> hits(asked.size());
     rays.intersect(asked, hits);
@@ -141,12 +143,13 @@ void expect_truth(const RayScene& rays, const Scene& scene, int count = 400) {
         }
         ++met;
         EXPECT_NEAR(hit.t, truth.t, 1e-5 * truth.t) << i;
-        EXPECT_LT(glm::length(hit.position - (asked[i].origin + hit.t * asked[i].d)), 1e-5F) << i;
-        EXPECT_LT(glm::length(glm::dvec3(hit.geometric_normal) - truth.geometric_normal), 1e-4) << i;
-        EXPECT_LT(glm::length(glm::dvec3(hit.normal) - truth.normal), 1e-4) << i;
-        EXPECT_LT(glm::length(glm::dvec2(hit.uv) - truth.uv), 1e-4) << i;
+        EXPECT_LT(glm::length(hit.position - (asked[i].origin + hit.t * asked[i].d)), precision) << i;
+        EXPECT_LT(glm::length(glm::dvec3(hit.geometric_normal) - truth.geometric_normal), 10.0F * precision)
+            << i;
+        EXPECT_LT(glm::length(glm::dvec3(hit.normal) - truth.normal), 10.0F * precision) << i;
+        EXPECT_LT(glm::length(glm::dvec2(hit.uv) - truth.uv), 10.0F * precision) << i;
     }
-    EXPECT_GT(met, scene.objects.empty() ? -1 : 50);
+    EXPECT_GE(met, scene.objects.empty() ? 0 : count / 8);
 }
 
 // A user loses: right pictures of scenes with several objects, instances, scaled and mirrored ones, and
@@ -203,6 +206,83 @@ TEST(RayScene, FollowsMovedAndDeformedAndNewAndDroppedMeshes) {
     scene.objects[0].materials = {6};
     rays.update(scene);
     expect_truth(rays, scene);
+}
+
+vec3 twisted(const vec3& p, float turns) {
+    const float angle = glm::two_pi<float>() * turns * p.z;
+    return {std::cos(angle) * p.x - std::sin(angle) * p.y, std::sin(angle) * p.x + std::cos(angle) * p.y,
+            p.z};
+}
+
+MeshPointer twisted(const Mesh& mesh, float turns) {
+    std::vector<vec3> positions;
+    for (const vec3& p : mesh.positions()) positions.push_back(twisted(p, turns));
+    std::vector<uvec3> triangles;
+    for (std::size_t i = 0; i < mesh.indices().size(); i += 3)
+        triangles.emplace_back(mesh.indices()[i], mesh.indices()[i + 1], mesh.indices()[i + 2]);
+    return std::make_shared<const Mesh>(mesh.name(), positions, positions, triangles,
+                                        std::vector<std::uint16_t>());
+}
+
+// A user loses: quick frames after a deformation that wears a refit tree out, or after one that doesn't.
+TEST(RefitCost, TellsBendingFromTwisting) {
+    const MeshPointer before = ball("ball", 0.0F, 1, 40);
+    EXPECT_FLOAT_EQ(refit_cost(*before, *before), 1.0F);
+    EXPECT_LT(refit_cost(*before, *ball("ball", 2.0F, 1, 40)), 1.2F);
+    EXPECT_LT(refit_cost(*before, *twisted(*before, 0.05F)), 1.2F);
+    EXPECT_GT(refit_cost(*before, *twisted(*before, 1.0F)), 1.4F);
+    const Mesh empty("empty", {}, {}, {}, {});
+    EXPECT_EQ(refit_cost(empty, empty), 1.0F);
+}
+
+// A user loses: what a mesh has become, whether its tree was refit or built anew.
+TEST(RayScene, FollowsDeformationsOfAnyStrength) {
+    const MeshPointer before = ball("ball", 0.0F, 1, 30);
+    Scene scene = scene_of({{"a", before, mat4(1.0F), {1}}});
+    RayScene rays(scene);
+    for (const float turns : {0.05F, 1.0F, 1.05F, 3.0F}) {
+        scene.objects[0].mesh = twisted(*before, turns);
+        rays.update(scene);
+        SCOPED_TRACE(turns);
+        expect_truth(rays, scene, 200, 1e-4F);  // twisted triangles are slivers, of which float knows less
+    }
+}
+
+// A user loses: glass that is told from air, in mirrored objects; and the picture, when an object is scaled
+// to nothing.
+TEST(RayScene, KnowsOutwardOfAnyMatrix) {
+    const Scene scene =
+        scene_of({{"mirrored", ball("ball"), glm::scale(at(vec3(1, 0, 0)), vec3(-1, 2, 1)), {1}},
+                  {"flat", ball("flat"), glm::scale(mat4(1.0F), vec3(1, 1, 0)), {1}}});
+    const RayScene rays(scene);
+    int met = 0;
+    for (const Ray& ray : random_rays(300)) {
+        const auto hit = rays.intersect(ray.origin, ray.d);
+        if (!hit) continue;
+        ++met;
+        ASSERT_EQ(hit->object, 0);
+        EXPECT_GT(glm::dot(hit->geometric_normal, hit->position - vec3(1, 0, 0)), 0.0F);
+        EXPECT_GT(glm::dot(hit->normal, hit->position - vec3(1, 0, 0)), 0.0F);
+    }
+    EXPECT_GT(met, 50);
+}
+
+// A user loses: Blender, which Embree ends when a ray isn't finite.
+TEST(RayScene, RaysThatAreNotFiniteMeetNothing) {
+    const RayScene scene(scene_of({{"a", ball("a"), mat4(1.0F), {1}}}));
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const std::vector<Ray> rays = {{vec3(0), vec3(0, 0, 1)},
+                                   {vec3(nan), vec3(0, 0, 1)},
+                                   {vec3(0), vec3(nan)},
+                                   {vec3(1e30F, 0, 0), vec3(-1, 0, 0)},
+                                   {vec3(0), vec3(std::numeric_limits<float>::infinity())}};
+    std::vector<Hit> hits(rays.size());
+    scene.intersect(rays, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        EXPECT_EQ(hits[i].object, i == 0 ? 0 : -1) << i;
+        EXPECT_EQ(scene.intersect(rays[i].origin, rays[i].d).has_value(), i == 0) << i;
+        EXPECT_EQ(scene.escapes(rays[i].origin, rays[i].d), i != 0) << i;
+    }
 }
 
 // A user loses: the right one of two meshes whose names are the same (linked from two files), or one that got
