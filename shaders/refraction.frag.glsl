@@ -105,7 +105,7 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Moments moments = no_moments();
     vec3 weighted_color = vec3(0.0);
     for (int i = 0; i < BUNDLE_RAYS; ++i) {
-        vec3 d = bundle_ray(front, n, i);
+        vec3 d = bundle_ray(front, n, bundle_azimuth(i));
         Exit exit = find_exit(origin, d, axis, RAY_STEPS);
         Material behind = materials[decode_material(exit.face.w)];
         vec3 outward = decode_normal(exit.face.xy);
@@ -149,7 +149,7 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     vec2 low = center;
     vec2 high = center;
     for (int i = 0; i < BUNDLE_RAYS; ++i) {
-        vec3 d = bundle_ray(bounding, n, i);
+        vec3 d = bundle_ray(bounding, n, bundle_azimuth(i));
         Exit exit = find_exit(origin, d, axis, RAY_STEPS);
         vec2 pixel = pixel_of(origin + exit.t * d);
         low = min(low, pixel);

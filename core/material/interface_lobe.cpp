@@ -28,7 +28,7 @@ model::Lobe interface_lobe(Ndf ndf, float roughness, float eta, float cos_theta_
     if (!(eta > 0.0F)) throw Error("A relative index of refraction must be greater than 0.");
     if (!(cos_theta_o >= 0.0F && cos_theta_o <= 1.0F)) throw Error("A cosine must lie between 0 and 1.");
     eta = std::clamp(eta, 1.0F / max_eta, max_eta);
-    model::LobeModel lobes({tables_of(ndf)->slice(eta, event)});
+    const model::LobeModel lobes({tables_of(ndf)->slice(eta, event)});
     const glm::vec3 d(-std::sqrt(1.0F - cos_theta_o * cos_theta_o), 0.0F, -cos_theta_o);
     const glm::vec3 n(0.0F, 0.0F, 1.0F);
     return event == LobeEvent::Reflect ? lobes.reflected_lobe(0, eta, roughness, d, n)

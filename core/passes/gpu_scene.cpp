@@ -62,46 +62,32 @@ bool MeshCache::update(const Scene& scene) {
 
 bool MaterialCache::update(const std::vector<Material>& materials) {
     const gl::PassScope scope("upload of materials");
-    std::vector<SliceKey> keys;
-    const auto layer_of = [&keys](Ndf ndf, float eta, LobeEvent event) {
-        const SliceKey key(ndf, eta, event);
-        const auto found = std::find(keys.begin(), keys.end(), key);
-        if (found != keys.end()) return static_cast<int>(found - keys.begin());
-        keys.push_back(key);
-        return static_cast<int>(keys.size()) - 1;
-    };
+    const bool changed = tables_.update(materials);
     std::vector<MaterialData> data;
-    for (const Material& material : materials) {
-        const LobeEvent refraction = material.fresnel ? LobeEvent::Refract : LobeEvent::RefractWithout;
-        const float ior = std::clamp(material.ior, 1.0F / max_eta, max_eta);
-        const int entering = layer_of(material.ndf, ior, refraction);
-        const int leaving = layer_of(material.ndf, 1.0F / ior, refraction);
-        const int mirror = material.fresnel ? layer_of(material.ndf, ior, LobeEvent::Reflect) : -1;
+    for (int i = 0; i < static_cast<int>(materials.size()); ++i) {
+        const Material& material = materials[i];
+        const InterfaceTables& entering = tables_.tables(i, material.ior);
         data.push_back({{material.color, std::clamp(material.roughness, 0.0F, 1.0F)},
-                        {material.reflection_color, ior},
+                        {material.reflection_color, entering.eta},
                         {material.absorption, 0.0F},
-                        {entering, leaving, mirror, 0}});
+                        {entering.refraction, tables_.tables(i, 1.0F / material.ior).refraction,
+                         entering.reflection, 0}});
     }
     if (data.empty()) return false;
     buffer_ = gl::make_buffer(data.size() * sizeof(MaterialData), data.data());
-    const bool changed = keys != slices_;
-    if (changed) upload_slices(keys);
+    if (changed) upload_tables();
     scope.check();
     return changed;
 }
 
-void MaterialCache::upload_slices(const std::vector<SliceKey>& keys) {
+void MaterialCache::upload_tables() {
+    const std::vector<LobeSlice>& slices = tables_.slices();
     lobe_tables_ = gl::Texture(GL_RGBA32F, model::LOBE_COSINES, model::LOBE_ROUGHNESSES, GL_LINEAR, 1,
-                               static_cast<int>(keys.size()));
-    for (int layer = 0; layer < static_cast<int>(keys.size()); ++layer) {
-        const auto& [ndf, eta, event] = keys[layer];
-        auto& tables = tables_[ndf];
-        if (!tables) tables = LobeTables::load_or_build(ndf, cache_folder_);
-        const LobeSlice slice = tables->slice(eta, event);
+                               static_cast<int>(slices.size()));
+    for (int layer = 0; layer < static_cast<int>(slices.size()); ++layer) {
         glTextureSubImage3D(lobe_tables_.id(), 0, 0, 0, layer, model::LOBE_COSINES, model::LOBE_ROUGHNESSES,
-                            1, GL_RGBA, GL_FLOAT, slice.data());
+                            1, GL_RGBA, GL_FLOAT, slices[layer].data());
     }
-    slices_ = keys;
 }
 
 bool EnvironmentCache::update(const std::shared_ptr<const EnvironmentMap>& map) {

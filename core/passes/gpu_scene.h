@@ -4,14 +4,12 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <memory>
-#include <tuple>
 #include <unordered_map>
 #include <vector>
 
 #include "core/gl/objects.h"
-#include "core/material/lobe_tables.h"
+#include "core/material/table_set.h"
 #include "core/passes/environment_filter.h"
 #include "core/scene/scene.h"
 
@@ -36,20 +34,17 @@ class MeshCache {
 // Materials as a storage buffer, and an array of the lobe tables that they use.
 class MaterialCache {
   public:
-    explicit MaterialCache(std::filesystem::path cache_folder) : cache_folder_(std::move(cache_folder)) {}
+    // cache_folder: of LobeTables::load_or_build.
+    explicit MaterialCache(std::filesystem::path cache_folder) : tables_(std::move(cache_folder)) {}
     // Whether the tables have changed.
     bool update(const std::vector<Material>& materials);
     const gl::Buffer& buffer() const { return buffer_; }
     const gl::Texture& lobe_tables() const { return lobe_tables_; }
 
   private:
-    using SliceKey = std::tuple<Ndf, float, LobeEvent>;  // distribution, relative index, event
+    void upload_tables();
 
-    void upload_slices(const std::vector<SliceKey>& keys);
-
-    std::filesystem::path cache_folder_;
-    std::map<Ndf, std::shared_ptr<const LobeTables>> tables_;
-    std::vector<SliceKey> slices_;  // layers of the array
+    TableSet tables_;
     gl::Buffer buffer_;
     gl::Texture lobe_tables_;
 };

@@ -22,6 +22,7 @@ struct Material {
     std::shared_ptr<const Texture>
         roughness_texture;             // in place of roughness, by the path tracer; may be null
     float ior = 1.5F;                  // inside relative to outside, 1 / max_eta … max_eta
+    int priority = 0;                  // among overlapping solids, for the CPU's rays; see MediumStack
     glm::vec3 color{1.0F};             // factor of every refraction, linear
     glm::vec3 reflection_color{1.0F};  // factor of the front reflection, linear
     bool fresnel = true;               // false: all is refracted, as by Blender's Refraction BSDF

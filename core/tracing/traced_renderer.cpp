@@ -1,20 +1,115 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/tracing/traced_renderer.h"
 
-namespace verglas {
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
-class TracedRenderer::Device {};
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+#include <vector>
+
+#include "core/error.h"
+#include "core/tracing/bundle_tracer.h"
+#include "core/tracing/surface_average.h"
+#include "core/tracing/traced_scene.h"
+
+namespace verglas {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+// Neighbouring rays visit the same nodes of the trees; larger tiles leave threads idle at the end.
+constexpr int tile_size = 8;
+
+// Between two calls of progress.
+constexpr double batch_seconds = 0.02;
+
+std::vector<Rect> tiles_of(const Rect& rect) {
+    std::vector<Rect> tiles;
+    for (int y = rect.begin.y; y < rect.end.y; y += tile_size)
+        for (int x = rect.begin.x; x < rect.end.x; x += tile_size)
+            tiles.push_back(Rect{{x, y}, {x + tile_size, y + tile_size}}.intersected(rect));
+    return tiles;
+}
+
+void check(const Settings& settings) {
+    if (settings.size.x < 1 || settings.size.y < 1) throw Error("A picture needs at least one pixel.");
+    if (settings.samples < 1) throw Error("A picture needs at least one sample.");
+    if (settings.max_interfaces < 1) throw Error("Rays must cross at least one interface.");
+    if (settings.threads < 0) throw Error("The number of threads can't be negative.");
+    if (rendered_rect(settings.size, settings.region).empty())
+        throw Error("The render region lies outside of the picture.");
+}
+
+// Calls work(0) to work(count - 1) on the arena's threads, and `go_on` on this one every batch_seconds or so;
+// returns false where that did, before all was done.
+template <typename Work, typename GoOn>
+bool in_batches(tbb::task_arena& arena, int count, Work work, GoOn go_on) {
+    int batch = 16;
+    for (int first = 0; first < count;) {
+        const Clock::time_point begin = Clock::now();
+        const int last = std::min(first + batch, count);
+        arena.execute([&] { tbb::parallel_for(first, last, work); });
+        first = last;
+        if (!go_on()) return false;
+        const double ratio = batch_seconds / std::max(seconds_since(begin), 1e-4);
+        batch = std::max(4, static_cast<int>(batch * std::clamp(ratio, 0.25, 4.0)));
+    }
+    return true;
+}
+
+}  // namespace
+
+class TracedRenderer::Device {
+  public:
+    std::optional<Frame> render(const Scene& scene, const Settings& settings, const Progress& progress);
+
+  private:
+    TracedScene scene_;
+    std::mutex rendering_;
+};
+
+std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Settings& settings,
+                                                    const Progress& progress) {
+    check(settings);
+    const std::lock_guard lock(rendering_);
+    tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
+    arena.execute([&] { scene_.update(scene); });
+
+    const Clock::time_point begin = Clock::now();
+    TracedPicture picture(rendered_rect(settings.size, settings.region));
+    const BundleTracer tracer(scene_, settings);
+    const std::vector<Rect> tiles = tiles_of(picture.rect);
+    const bool done = in_batches(
+        arena, static_cast<int>(tiles.size()), [&](int i) { tracer.trace(tiles[i], picture); },
+        [&] { return !progress || progress(0, settings.samples); });
+    if (!done) return std::nullopt;
+    arena.execute([&] { average_surfaces(picture); });
+
+    Frame frame;
+    frame.size = picture.rect.size();
+    for (std::size_t i = 0; i < picture.radiance.size(); ++i) {
+        const Surface& surface = picture.surfaces[i];
+        const bool covered = surface.object >= 0 || !settings.transparent;
+        frame.combined.emplace_back(picture.radiance[i], covered ? 1.0F : 0.0F);
+        frame.normal_depth.emplace_back(surface.normal, surface.depth);
+    }
+    frame.seconds = seconds_since(begin);
+    frame.prepare_seconds = scene_.seconds();
+    return frame;
+}
 
 TracedRenderer::TracedRenderer() : device_(std::make_unique<Device>()) {}
 TracedRenderer::~TracedRenderer() = default;
 
-std::optional<Frame> TracedRenderer::render(const Scene&, const Settings& settings, const Progress&) {
-    Frame frame;
-    frame.size = rendered_rect(settings.size, settings.region).size();
-    const std::size_t pixels = std::size_t(frame.size.x) * frame.size.y;
-    frame.combined.assign(pixels, glm::vec4(0.0F));
-    frame.normal_depth.assign(pixels, glm::vec4(0.0F, 0.0F, 0.0F, 1e10F));
-    return frame;
+std::optional<Frame> TracedRenderer::render(const Scene& scene, const Settings& settings,
+                                            const Progress& progress) {
+    return device_->render(scene, settings, progress);
 }
 
 }  // namespace verglas

@@ -12,20 +12,21 @@
 
 namespace verglas {
 
-// Traces bundles of rays through the scene (method: 5.5) and keeps what is costly to prepare: trees of meshes,
-// lobe tables, the environment's levels.
+// Traces bundles of rays through the scene (method: 5.5) and keeps what is costly to prepare: trees of
+// meshes, lobe tables, the environment's levels.
 //
 // The first sample is a picture without noise: four rays stand for the front lobe, follow the mean directions
 // of all lobes that they meet, and end in the prefiltered environment. Further samples draw directions, and
-// the picture converges to the path tracer's. It depends on scene and settings alone, not on the number of threads.
+// the picture converges to the path tracer's. It depends on scene and settings alone, not on the number of
+// threads.
 class TracedRenderer {
   public:
     // Throws Error where Embree can't be started.
     TracedRenderer();
     ~TracedRenderer();
 
-    // Called with (samples done, all) on the calling thread, at least every few dozen milliseconds; false ends
-    // the render.
+    // Called with (samples done, all) on the calling thread, at least every few dozen milliseconds; false
+    // ends the render.
     using Progress = std::function<bool(int, int)>;
 
     // Waits for the picture, and before that for those that other threads have asked for; nothing when

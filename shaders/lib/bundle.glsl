@@ -21,9 +21,16 @@ struct WideLobe {
 
 const int EXIT_TAPS = 3;
 
-// Ray i of the bundle of a lobe: a unit direction at cos = 1 - spread about the axis. n: the front normal,
-// which fixes the azimuth; rays that would leave through the front interface are bent into its plane.
-SHARED vec3 bundle_ray(Lobe lobe, vec3 n, int i) {
+// Azimuth of ray i about the axis, as (cos, sin): 45 degrees and on, so that pairs share the sides of the plane of
+// incidence.
+SHARED vec2 bundle_azimuth(int i) {
+    const float diagonal = 0.70710678f;
+    return vec2((i & 1) == 0 ? diagonal : -diagonal, (i & 2) == 0 ? diagonal : -diagonal);
+}
+
+// A ray of the bundle of a lobe: a unit direction at cos = 1 - spread about the axis. n: the front normal, from which
+// azimuths count; rays that would leave through the front interface are bent into its plane.
+SHARED vec3 bundle_ray(Lobe lobe, vec3 n, vec2 azimuth) {
     vec3 side = cross(lobe.direction, n);
     float side_length = length(side);
     if (side_length < 1e-4f) {
@@ -32,11 +39,8 @@ SHARED vec3 bundle_ray(Lobe lobe, vec3 n, int i) {
     }
     side = side / side_length;
     vec3 up = cross(side, lobe.direction);
-    // sin^2 = 1 - (1 - spread)^2. Azimuths of 45 degrees and on: pairs share the plane of incidence's sides.
-    float offset = sqrt(0.5f * lobe.spread * (2.0f - lobe.spread));
-    float a = (i & 1) == 0 ? offset : -offset;
-    float b = (i & 2) == 0 ? offset : -offset;
-    vec3 ray = (1.0f - lobe.spread) * lobe.direction + a * side + b * up;
+    float sine = sqrt(lobe.spread * (2.0f - lobe.spread));  // sin^2 = 1 - (1 - spread)^2
+    vec3 ray = (1.0f - lobe.spread) * lobe.direction + sine * azimuth.x * side + sine * azimuth.y * up;
     return normalize(ray - max(dot(ray, n) + 1e-3f, 0.0f) * n);
 }
 

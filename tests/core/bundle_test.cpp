@@ -76,14 +76,14 @@ ExitLobe monte_carlo(double exponent, double b, int paths) {
 model::Moments bundle_moments(double exponent, double b) {
     static const auto tables = LobeTables::build(Ndf::BlinnPhong);
     const auto eta = static_cast<float>(ior);
-    model::LobeModel lobes(
+    const model::LobeModel lobes(
         {tables->slice(eta, LobeEvent::Refract), tables->slice(1.0F / eta, LobeEvent::Refract)});
     const auto roughness = static_cast<float>(std::pow(2.0 / (exponent + 2.0), 0.25));
     const vec3 p(entry_point(b));
     const model::Lobe front = lobes.refracted_lobe(0, eta, roughness, vec3(0, 0, -1), p, model::TIR_NONE);
     model::Moments moments = model::no_moments();
     for (int i = 0; i < model::BUNDLE_RAYS; ++i) {
-        const vec3 d = model::bundle_ray(front, p, i);
+        const vec3 d = model::bundle_ray(front, p, model::bundle_azimuth(i));
         const vec3 outward(exit_point(dvec3(p), dvec3(d)));
         const model::Lobe back = lobes.refracted_lobe(1, 1.0F / eta, roughness, d, -outward, model::TIR_NONE);
         moments = model::add_lobe(moments, back, outward, front.energy / float(model::BUNDLE_RAYS));

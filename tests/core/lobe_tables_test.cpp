@@ -69,7 +69,7 @@ struct Errors {
 };
 
 Errors measure(const Point& p) {
-    model::LobeModel lobes({tables_of(p.ndf)->slice(p.eta, p.event)});
+    const model::LobeModel lobes({tables_of(p.ndf)->slice(p.eta, p.event)});
     const vec3 d(-std::sqrt(1.0F - p.cosine * p.cosine), 0.0F, -p.cosine);
     const vec3 n(0.0F, 0.0F, 1.0F);
     const model::Lobe lobe = p.event == LobeEvent::Reflect

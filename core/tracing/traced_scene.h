@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/environment/environment_model.h"
+#include "core/material/lobe_model.h"
+#include "core/material/table_set.h"
+#include "core/scene/scene.h"
+#include "core/tracing/ray_scene.h"
+
+namespace verglas {
+
+// What traced bundles need of a scene: surfaces for rays, lobes of materials, the prefiltered environment.
+// Can be asked by many threads, but not while update() runs.
+class TracedScene {
+  public:
+    // Throws Error where Embree can't be started.
+    TracedScene();
+
+    // Follows the scene, which must outlive the questions, and builds only what has changed. Throws Error.
+    void update(const Scene& scene);
+
+    const Scene& scene() const { return *scene_; }
+    const RayScene& rays() const { return rays_; }
+    const model::LobeModel& lobes() const { return *lobes_; }
+    const InterfaceTables& tables(int material, float eta) const { return tables_.tables(material, eta); }
+
+    // Light that arrives from outside under a lobe of the given spread about a unit direction in world space.
+    glm::vec3 incoming_radiance(const glm::vec3& direction, float spread) const {
+        return scene_->environment_color *
+               environment_->environment_radiance(glm::normalize(scene_->environment_rotation * direction),
+                                                  spread);
+    }
+
+    // Wall time of the parts of the last update(), as Frame::prepare_seconds.
+    const std::map<std::string, double>& seconds() const { return seconds_; }
+
+  private:
+    void update_environment(const std::shared_ptr<const EnvironmentMap>& map);
+
+    const Scene* scene_ = nullptr;
+    RayScene rays_;
+    TableSet tables_;
+    std::optional<model::LobeModel> lobes_;
+    std::shared_ptr<const EnvironmentMap> map_;
+    std::optional<model::EnvironmentModel> environment_;
+    std::map<std::string, double> seconds_;
+};
+
+}  // namespace verglas
