@@ -13,6 +13,9 @@ from scenes import (
 from verglas import faults
 
 
+pytestmark = pytest.mark.usefixtures("device")
+
+
 @pytest.fixture
 def lit(scene) -> bpy.types.Scene:
     set_background(scene)
