@@ -69,7 +69,7 @@ class VERGLAS_RENDER_PT_sampling(VerglasPanel, bpy.types.Panel):
             layout.prop(settings, "reference_seed")
         else:
             if 'OPENGL' in devices.in_use(context.scene) or settings.traced_final:
-                layout.prop(settings, "traced_final")
+                layout.column(heading="Final Frames").prop(settings, "traced_final", text="Traced")
             layout.prop(settings, "samples")
         layout.prop(settings, "filter_width")
 
