@@ -143,11 +143,14 @@ def _render_reference(subject: Subject, samples: int, progress: Progress) -> lis
 
 
 def _render_cycles(subject: Subject, method: str, samples: int, progress: Progress) -> list[Picture]:
-    """With 1, 4, 16, … samples, each begun anew."""
+    """With 1, 4, 16, … samples, each begun anew, after one that warms Cycles up."""
+    denoised = method == "cycles_denoised"
+    progress.step(f"rendering {method}, to warm up")
+    subject.cycles(1, METHOD_SEEDS[0], denoised)
     pictures = []
     for reached in _doubling(samples, 4):
         progress.step(f"rendering {method}, {reached} samples")
-        pictures.append(subject.cycles(reached, METHOD_SEEDS[0], denoised=method == "cycles_denoised"))
+        pictures.append(subject.cycles(reached, METHOD_SEEDS[0], denoised))
     return pictures
 
 

@@ -8,11 +8,14 @@ from pathlib import Path
 
 from ..faults import Fault
 from . import pages
-from .methods import METHODS, REAL_TIME, SCREEN_SPACE
+from .methods import METHODS, REAL_TIME, SCREEN_SPACE, TRACED
 from .report import best_of
 
 JUDGED = "bundle"
 """The method that is compared with the best of the others in screen space."""
+
+SHOWN = (JUDGED, TRACED)
+"""The methods whose pictures stand in the table."""
 
 
 def write(reports: dict[str, dict], faults: dict[str, str], command: str, folder: Path) -> dict:
@@ -66,7 +69,7 @@ def _page(summary: dict) -> str:
             f"Error of {JUDGED} to the best other there": f"{pages.number(summary['mean_ratio'])} on average",
         }
     faults = [f"{name}: {sentence}" for name, sentence in summary["faults"].items()]
-    heads = ["Case", "Truth", JUDGED, *summary["methods"], "Noise", "Ratio"]
+    heads = ["Case", "Truth", *SHOWN, *summary["methods"], "Noise", "Ratio"]
     return pages.page("overview.html", {
         "count": str(len(cases)),
         "facts": pages.facts(facts),
@@ -85,7 +88,7 @@ def _row(name: str, case: dict, methods: list[str]) -> list[str]:
               for method in methods]
     return [
         f'<th><a href="{pages.quote(name)}/index.html">{escape(name)}</a></th>',
-        thumbnail("truth"), thumbnail(JUDGED) if JUDGED in case["relmse"] else "<td></td>",
+        thumbnail("truth"), *(thumbnail(method) if method in case["relmse"] else "<td></td>" for method in SHOWN),
         *errors, pages.cell(pages.number(case["truth_noise"], 2)),
         pages.cell("–" if case["ratio"] is None else f"{case['ratio']:.2f}"),
     ]
