@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which device renders what: 'OPENGL', the paper's passes in screen space, or 'CPU', traced bundles. It needs no
-core, so that panels can ask where that doesn't load."""
+"""Which device renders what: 'OPENGL', the paper's passes in screen space, or 'CPU', traced bundles. It needs
+no core, so that panels can ask where that doesn't load."""
 
 import bpy
 
@@ -27,7 +27,7 @@ def of_final_frames(scene: bpy.types.Scene) -> str:
 
 
 def in_use(scene: bpy.types.Scene) -> set[str]:
-    """'OPENGL', 'CPU' or both: those whose settings matter. Both, too, while it isn't known what 'AUTO' is."""
+    """'OPENGL', 'CPU' or both: those whose settings matter. Both as long as it isn't known what 'AUTO' is."""
     chosen = {of_viewport(scene)}
     if scene.verglas.method == 'REAL_TIME':
         chosen.add(of_final_frames(scene))

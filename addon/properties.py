@@ -32,7 +32,7 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
     )
     traced_final: BoolProperty(
         name="Traced Final Frames",
-        description="Render final frames by the CPU, with all of the glass, whatever the viewport is drawn by",
+        description="Render final frames by the CPU, through all of the glass, whatever draws the viewport",
         default=False,
     )
     max_interfaces: IntProperty(
@@ -67,8 +67,8 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
     )
     samples: IntProperty(
         name="Samples",
-        description="Jittered samples for each pixel. One is free of noise; more smooth edges, and by the CPU "
-                    "make the light in the glass more exact",
+        description="Jittered samples for each pixel. One is free of noise; more smooth edges, and by the "
+                    "CPU make the light in the glass more exact",
         default=16, min=1, max=65536, soft_max=256,
     )
     filter_width: FloatProperty(

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The process's two core renderers, one for each device. Each is made when it is first needed, and what it has
-prepared stays with it from frame to frame. It makes one picture at a time; they don't wait for each other."""
+"""The process's two core renderers, one for each device. Each is made when it is first needed, and what it
+has prepared stays with it from frame to frame. It makes one picture at a time; they don't wait for each
+other."""
 
 import atexit
 import threading
@@ -30,7 +31,8 @@ class _Device:
                 self._renderer = self._make()
             return self._renderer
 
-    def render(self, scene: core.Scene, settings: core.Settings, progress: Progress | None) -> core.Frame | None:
+    def render(self, scene: core.Scene, settings: core.Settings,
+               progress: Progress | None) -> core.Frame | None:
         with self._busy:
             return self.renderer.render(scene, settings, progress)
 
@@ -57,7 +59,7 @@ def render(device: str, scene: core.Scene, settings: core.Settings,
 
 
 def render_if_idle(device: str, scene: core.Scene, settings: core.Settings) -> core.Frame | None:
-    """For the viewport, which must not wait for a final frame: None while the device makes another picture."""
+    """For the viewport, which must not wait for a final frame: None while the device makes another one."""
     return _devices[resolved(device)].render_if_idle(scene, settings)
 
 

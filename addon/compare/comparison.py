@@ -176,8 +176,8 @@ def _noise(subject: Subject, method: str, picture: Picture, progress: Progress) 
 
 def _sample(truth: Truth, options: Options, rendered: dict[str, Rendered], note: Callable[[str], None],
             progress: Progress) -> None:
-    """Gives the truth its samples, and a note where they leave too much noise for real-time methods: of traced,
-    whose further samples come as close to the truth as one likes, for the first."""
+    """Gives the truth its samples, and a note where they leave too much noise for real-time methods: of
+    traced, whose further samples come as close to the truth as one likes, for the first."""
     def add(samples: int) -> None:
         progress.step(f"rendering the truth by {truth.method}, {truth.samples + samples} samples")
         truth.add(samples, progress.part)

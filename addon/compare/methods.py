@@ -56,7 +56,9 @@ CYCLES = {
 }
 """Settings that leave nothing of the light out and make nothing up."""
 
-DENOISED = {"use_denoising": True, "denoiser": 'OPENIMAGEDENOISE', "denoising_input_passes": 'RGB_ALBEDO_NORMAL'}
+DENOISED = {
+    "use_denoising": True, "denoiser": 'OPENIMAGEDENOISE', "denoising_input_passes": 'RGB_ALBEDO_NORMAL',
+}
 """What is changed of these where Cycles may make something up."""
 
 

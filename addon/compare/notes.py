@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the error of the OpenGL device's default method, bundle, comes from: its pixels are told apart by what
-rays meet in them, and each kind stands for one assumption of the method that doesn't hold there. And what path
-tracers need to be as exact as it, or as the CPU device."""
+"""Where the error of the OpenGL device's default method, bundle, comes from: its pixels are told apart by
+what rays meet in them, and each kind stands for one assumption of the method that doesn't hold there. And
+what path tracers need to be as exact as it, or as the CPU device."""
 
 from collections.abc import Sequence
 
@@ -40,8 +40,8 @@ KINDS = {
 
 
 def explain(subject: Subject, truth: Truth, pictures: dict[str, Picture]) -> list[str]:
-    """Sentences on where bundle's error lies, and where it loses against the best other method in screen space
-    if it does; none without bundle, or where it has no error."""
+    """Sentences on where bundle's error lies, and where it loses against the best other method in screen
+    space if it does; none without bundle, or where it has no error."""
     if JUDGED not in pictures:
         return []
     errors = {name: _squared_errors(pictures[name].pixels, truth.pixels, subject.mask)
@@ -98,7 +98,8 @@ def explain_cost(methods: dict[str, Measured]) -> list[str]:
         seconds, error = traced[0]["seconds"], traced[0]["relmse"]
         sentences += [f"traced takes {seconds:.2g} s with one sample; {name} {_when(way, error, seconds)}"
                       for name, way in ways.items()]
-        sentences += [sentence for name, way in ways.items() for sentence in _at_equal_times(traced, name, way)]
+        sentences += [sentence for name, way in ways.items()
+                      for sentence in _at_equal_times(traced, name, way)]
     return sentences
 
 
@@ -107,9 +108,9 @@ def _when(way: Way, error: float, seconds: float) -> str:
     seconds."""
     last = way[-1]
     if last["relmse"] > error:
-        return (f"isn't as close to the truth with {last['samples']:,} samples, after {last['seconds']:.2g} s, "
-                f"{last['seconds'] / seconds:,.0f} times the time.")
-    samples, reached = _interpolated(way, "relmse", error, "samples"), _interpolated(way, "relmse", error, "seconds")
+        return (f"isn't as close to the truth with {last['samples']:,} samples, after "
+                f"{last['seconds']:.2g} s, {last['seconds'] / seconds:,.3g} times the time.")
+    samples, reached = (_interpolated(way, "relmse", error, wanted) for wanted in ("samples", "seconds"))
     return (f"is as close to the truth with {samples:,.0f} samples, after {reached:.2g} s, "
             f"{reached / seconds:,.3g} times the time.")
 
@@ -117,15 +118,16 @@ def _when(way: Way, error: float, seconds: float) -> str:
 def _at_equal_times(traced: Way, name: str, way: Way) -> list[str]:
     """A sentence on the errors of a path tracer and traced wherever both have a picture."""
     times = [point["seconds"] for point in (*traced, *way)]
-    first, last = (edge(ends) for edge, ends in (
-        (max, (traced[0]["seconds"], way[0]["seconds"])), (min, (traced[-1]["seconds"], way[-1]["seconds"]))))
+    first = max(traced[0]["seconds"], way[0]["seconds"])
+    last = min(traced[-1]["seconds"], way[-1]["seconds"])
     shared = sorted({first, last, *(time for time in times if first <= time <= last)})
     if first >= last:
         return []
-    ratios = [_interpolated(way, "seconds", time, "relmse") / _interpolated(traced, "seconds", time, "relmse")
-              for time in shared]
-    return [f"In equal times from {first:.2g} to {last:.2g} s the relative MSE of {name} is {min(ratios):.2g} to "
-            f"{max(ratios):.2g} times that of traced."]
+    theirs, ours = ([_interpolated(points, "seconds", time, "relmse") for time in shared]
+                    for points in (way, traced))
+    ratios = [a / b for a, b in zip(theirs, ours)]
+    return [f"In equal times from {first:.2g} to {last:.2g} s the relative MSE of {name} is {min(ratios):.2g} "
+            f"to {max(ratios):.2g} times that of traced."]
 
 
 def _interpolated(way: Way, key: str, value: float, wanted: str) -> float:

@@ -88,7 +88,8 @@ def _row(name: str, case: dict, methods: list[str]) -> list[str]:
               for method in methods]
     return [
         f'<th><a href="{pages.quote(name)}/index.html">{escape(name)}</a></th>',
-        thumbnail("truth"), *(thumbnail(method) if method in case["relmse"] else "<td></td>" for method in SHOWN),
+        thumbnail("truth"),
+        *(thumbnail(method) if method in case["relmse"] else "<td></td>" for method in SHOWN),
         *errors, pages.cell(pages.number(case["truth_noise"], 2)),
         pages.cell("–" if case["ratio"] is None else f"{case['ratio']:.2f}"),
     ]

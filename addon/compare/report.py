@@ -139,7 +139,8 @@ def _page(report: dict, comparison: Comparison, folder: Path, overview: str) -> 
         "notes": pages.items(report["notes"], "Nothing to note."),
         "command": escape(report["command"]),
         "versions": escape(f"Verglas {report['version']}, Blender {report['blender']}; OpenGL: "
-                           f"{device['opengl'] or 'none'}; CPU: {device['cpu']}, {device['threads']} threads."),
+                           f"{device['opengl'] or 'none'}; CPU: {device['cpu']}, "
+                           f"{device['threads']} threads."),
     })
 
 

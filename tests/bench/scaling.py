@@ -30,8 +30,8 @@ def by_model(plan: Plan, progress: Progress) -> list[Row]:
 
 
 def by_triangles(plan: Plan, progress: Progress) -> list[Row]:
-    """Of balls that cover the same pixels. upload_ms is the time until the device has the triangles: they are on
-    the GPU, or their tree is built."""
+    """Of balls that cover the same pixels. upload_ms is the time until the device has the triangles: they are
+    on the GPU, or their tree is built."""
     size = (BALL_SIZE, BALL_SIZE)
     view = subjects.subject(MODELS["sphere"], size, progress).core_scene
     rows = []

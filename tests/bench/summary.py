@@ -44,8 +44,7 @@ def text(results: dict) -> str:
                                {row["step"]: row["ms"] for row in results["preparation"]}), "",
                       *_column("milliseconds of one sample of the monkey",
                                {row["engine"]: row["sample_ms"] for row in results["engines"]}), "",
-                      *_column(f"milliseconds until {results['updates'][0]['triangles']:,} triangles are there",
-                               {f"{row['update']}, {row['method']}": row["ms"] for row in results["updates"]}), "",
+                      *_updates(results["updates"]), "",
                       *_column("ratios", results["ratios"]), *results["notes"]])
 
 
@@ -60,6 +59,11 @@ def _models(rows: list[Row]) -> Iterator[str]:
         for model in _titles(rows):
             times = (_frame_ms(rows, model, size, method) for method in METHODS)
             yield f"{f'{model}, {size[0]} x {size[1]}':32}" + "".join(f"{time:10.1f}" for time in times)
+
+
+def _updates(rows: list[Row]) -> Iterator[str]:
+    yield from _column(f"milliseconds until a device has {rows[0]['triangles']:,} triangles",
+                       {f"{row['update']}, {row['method']}": row["ms"] for row in rows})
 
 
 def _column(title: str, values: dict[str, float]) -> Iterator[str]:

@@ -22,8 +22,8 @@ REPEATS = 3
 
 
 def steps(plan: Plan, progress: Progress) -> list[Row]:
-    """Of one mesh of many triangles: new, moved as a whole, and deformed, which leaves its triangles and moves
-    their corners."""
+    """Of one mesh of many triangles: new, moved as a whole, and deformed, which leaves its triangles and
+    moves their corners."""
     squares = plan.moving_edge
     points, triangles = subjects.ball_mesh(squares)
     progress.step(f"updates of {len(triangles):,} triangles")
@@ -39,8 +39,8 @@ def steps(plan: Plan, progress: Progress) -> list[Row]:
             "moved": [update(meshes[0], matrix) for matrix in (shifted, identity, shifted)],
             "deformed": [update(mesh, identity) for mesh in meshes[1:]],
         }
-        rows += [{"update": kind, "triangles": len(triangles), "method": method, "ms": statistics.median(found)}
-                 for kind, found in times.items()]
+        rows += [{"update": kind, "triangles": len(triangles), "method": method,
+                  "ms": statistics.median(found)} for kind, found in times.items()]
     return rows
 
 

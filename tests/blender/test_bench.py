@@ -81,7 +81,7 @@ def test_ratios():
     models = [{"model": model, "width": 4, "height": 4, "method": method, "frame_ms": factor * milliseconds}
               for model, milliseconds in (("a", 1.0), ("b", 100.0))
               for method, factor in (("bundle", 2.0), ("traced", 1.5), ("paper", 8.0), ("single", 1.0),
-                                      ("specular", 0.5))]
+                                     ("specular", 0.5))]
     rows = [{"engine": "bundle", "sample_ms": 2.0}, {"engine": "traced", "sample_ms": 1.0},
             {"engine": "reference", "sample_ms": 4.0},
             {"engine": "cycles", "sample_ms": 8.0},

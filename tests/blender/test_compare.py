@@ -200,7 +200,8 @@ def test_traced_has_the_conditions(glass, monkeypatch):
     chosen = []
 
     def note(device, _, settings, progress=None):
-        chosen.append((device, settings.transport, settings.max_interfaces, settings.reflection, settings.samples))
+        chosen.append((device, settings.transport, settings.max_interfaces, settings.reflection,
+                       settings.samples))
         return render_by(device, _, settings, progress)
 
     render_by = renderer.render
@@ -210,7 +211,8 @@ def test_traced_has_the_conditions(glass, monkeypatch):
     two = methods.Subject(glass, methods.Conditions(48, 36, 2, 'two_interface'), print)
     two.real_time("traced", 1, samples=4)
     two.real_time("single", 1)
-    assert chosen == [('CPU', 'PAPER', 5, True, 2), ('CPU', 'PAPER', 2, False, 4), ('OPENGL', 'SINGLE', 2, False, 2)]
+    assert chosen == [('CPU', 'PAPER', 5, True, 2), ('CPU', 'PAPER', 2, False, 4),
+                      ('OPENGL', 'SINGLE', 2, False, 2)]
 
 
 def test_without_denoiser(glass):
@@ -459,7 +461,8 @@ def test_progress_is_readable_in_a_log():
 
 
 def test_ratio_is_that_of_screen_space():
-    """The overview would say that bundle loses, where it is the best of its kind, or hide that traced is better."""
+    """The overview would say that bundle loses where it is the best of its kind, or hide that traced is
+    better."""
     errors = {"bundle": 0.2, "traced": 0.01, "paper": 0.4, "single": 0.5, "cycles": 0.001}
     report = {"file": "", "roughness": None, "map": None, "truth": {"noise": 0.0, "spp": 2},
               "methods": {name: {"relmse": error} for name, error in errors.items()}}
@@ -480,17 +483,17 @@ def test_cost_of_the_same_error():
     """A report would tell wrong how much longer a path tracer takes."""
     cycles = converging((1, 0.5, 1.6), (4, 2.0, 0.4), (16, 8.0, 0.1), noise=0.1)
     found = notes.explain_cost({
-        "bundle": converging((16, 0.2, 0.2)), "traced": converging((1, 0.1, 0.8), (2, 0.2, 0.2), (32, 4.0, 0.05)),
-        "cycles": cycles})
+        "bundle": converging((16, 0.2, 0.2)), "cycles": cycles,
+        "traced": converging((1, 0.1, 0.8), (2, 0.2, 0.2), (32, 4.0, 0.05))})
     assert found == [
         "bundle takes 0.2 s; cycles is as close to the truth with 8 samples, after 4 s, 20 times the time.",
-        "traced takes 0.1 s with one sample; cycles is as close to the truth with 2 samples, after 1 s, 10 times "
-        "the time.",
+        "traced takes 0.1 s with one sample; cycles is as close to the truth with 2 samples, after 1 s, "
+        "10 times the time.",
         # traced at 0.5 s: 0.2 * (0.2 / 0.5)^(log 4 / log 20); at 4 s: cycles has 0.2
         "In equal times from 0.5 to 4 s the relative MSE of cycles is 4 to 12 times that of traced."]
     exact = notes.explain_cost({"bundle": converging((1, 0.2, 0.05)), "cycles": cycles})
-    assert exact == ["bundle takes 0.2 s; cycles isn't as close to the truth with 16 samples, after 8 s, 40 times "
-                     "the time."]
+    assert exact == ["bundle takes 0.2 s; cycles isn't as close to the truth with 16 samples, after 8 s, "
+                     "40 times the time."]
 
 
 def test_kinds_of_pixels(scene):

@@ -51,10 +51,10 @@ def test_auto_is_the_default():
 
 
 @pytest.mark.parametrize("driver, device", [
-    ("NVIDIA H100 PCIe/PCIe/SSE2", 'OPENGL'), ("AMD Radeon RX 7600 (navi33, LLVM 15.0.6, DRM 3.49)", 'OPENGL'),
-    ("Mesa Intel(R) UHD Graphics 620 (KBL GT2)", 'OPENGL'),
-    ("llvmpipe (LLVM 15.0.6, 256 bits)", 'CPU'), ("virgl (LLVMPIPE (LLVM 15.0.6))", 'CPU'), ("softpipe", 'CPU'),
-    ("Software Rasterizer", 'CPU'), (None, 'CPU'),
+    ("NVIDIA H100 PCIe/PCIe/SSE2", 'OPENGL'), ("Mesa Intel(R) UHD Graphics 620 (KBL GT2)", 'OPENGL'),
+    ("AMD Radeon RX 7600 (navi33, LLVM 15.0.6, DRM 3.49)", 'OPENGL'), (None, 'CPU'),
+    ("llvmpipe (LLVM 15.0.6, 256 bits)", 'CPU'), ("virgl (LLVMPIPE (LLVM 15.0.6))", 'CPU'),
+    ("softpipe", 'CPU'), ("Software Rasterizer", 'CPU'),
 ])
 def test_auto(machine, driver, device):
     """Auto would take the CPU beside a graphics card, or software OpenGL, or end where there is no OpenGL."""
@@ -169,8 +169,8 @@ def test_progress_is_told_once_a_sample():
 
 
 def test_without_opengl():
-    """On a server without any OpenGL nothing would be rendered, though the CPU needs none; or the CPU would take
-    OpenGL's place where that was asked for."""
+    """On a server without any OpenGL nothing would be rendered, though the CPU needs none; or the CPU would
+    take OpenGL's place where that was asked for."""
     script = textwrap.dedent("""
         import addon_utils, bpy
         addon_utils.enable("verglas")
@@ -233,11 +233,12 @@ OPENGL_ONLY = {"transport", "intersection", "tir"}
 
 
 @pytest.mark.parametrize("device, automatic, traced_final, opengl, cpu", [
-    ('OPENGL', None, False, True, False), ('CPU', None, False, False, True), ('OPENGL', None, True, True, True),
-    ('AUTO', None, False, True, True), ('AUTO', 'OPENGL', False, True, False), ('AUTO', 'CPU', False, False, True),
+    ('OPENGL', None, False, True, False), ('CPU', None, False, False, True),
+    ('OPENGL', None, True, True, True), ('AUTO', None, False, True, True),
+    ('AUTO', 'OPENGL', False, True, False), ('AUTO', 'CPU', False, False, True),
 ])
 def test_panels_show_what_matters(scene, monkeypatch, device, automatic, traced_final, opengl, cpu):
-    """Users would turn knobs that do nothing, or not find those that do; and not know which device Auto took."""
+    """Users would turn knobs that do nothing, or not find those that do, and not know what Auto took."""
     monkeypatch.setattr(devices, "automatic", automatic)
     scene.verglas.device, scene.verglas.traced_final = device, traced_final
     glass = shown(ui.VERGLAS_RENDER_PT_glass, scene)

@@ -46,9 +46,9 @@ def figure_18(studio: Studio) -> Figure:
     rows += _all_light(studio, axes[1])
     caption = (
         "Above: what becomes of totally reflected light with bundle: it is lost (none), goes on along its "
-        "incident direction (incident), or is refracted as at the critical angle (clamp); and the truth, which "
-        "follows it, without any other reflection. Below: all light, with reflections in front and inside, by "
-        "bundle, which has those in front, and traced, which follows those inside, too. "
+        "incident direction (incident), or is refracted as at the critical angle (clamp); and the truth, "
+        "which follows it, without any other reflection. Below: all light, with reflections in front and "
+        "inside, by bundle, which has those in front, and traced, which follows those inside, too. "
         f"Blinn-Phong exponent {EXPONENT:g} everywhere: the paper's two roughnesses wait for "
         "textures in the real-time renderer.")
     return Figure("18", "Total internal reflection", caption + about(case.model), picture, rows)
