@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import compat, faults, renderer, sync, viewport
+from . import compat, devices, faults, renderer, sync, viewport
 from . import verglas_core as core
 from .sync import camera, settings, world
 
@@ -15,6 +15,8 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True
 
     viewport_picture: viewport.Picture | None = None
+    told: tuple[int, int] | None = None
+    """Samples done, and all of them, as the user has been told."""
 
     def update_render_passes(self, scene, view_layer):
         self.register_pass(scene, view_layer, "Combined", 4, "RGBA", 'COLOR')
@@ -50,7 +52,7 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
             return self._trace(core.PathTracer(scene, path_settings), blender_scene.verglas.reference_samples,
                                depsgraph.view_layer.name)
         render_settings = settings.from_blender(blender_scene, width, height, warn)
-        return renderer.render(scene, render_settings, self._progress)
+        return renderer.render(devices.of_final_frames(blender_scene), scene, render_settings, self._progress)
 
     def _trace(self, tracer: core.PathTracer, samples: int, view_layer: str) -> core.Frame | None:
         """The reference. Whenever the samples have doubled, the picture so far is shown; what there is
@@ -66,9 +68,11 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
         return tracer.frame() if tracer.samples else None
 
     def _progress(self, done: int, total: int) -> bool:
-        """Whether to go on."""
-        self.update_progress(done / total)
-        self.update_stats("", f"Verglas | sample {done}/{total}")
+        """Whether to go on. The CPU device asks often within a sample; that is told once."""
+        if self.told != (done, total):
+            self.told = done, total
+            self.update_progress(done / total)
+            self.update_stats("", f"Verglas | sample {done}/{total}")
         return not self.test_break()
 
     def _write(self, frame: core.Frame, view_layer: str) -> None:

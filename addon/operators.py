@@ -24,17 +24,19 @@ class VERGLAS_OT_compare(bpy.types.Operator):
         name="Methods",
         description="What is compared",
         items=(
-            ('bundle', "Bundle", "Verglas: four rays, each refracted at its own exit"),
+            ('bundle', "Bundle", "Verglas by OpenGL: four rays, each refracted at its own exit"),
+            ('traced', "Traced", "Verglas by the CPU: light is followed through all of the glass"),
             ('paper', "Paper", "Verglas: one lobe against the exits' mean normal"),
             ('single', "Single", "Verglas: one ray along the lobe's axis"),
             ('depth_mip', "Depth Mip", "Sharp refraction, blurred by the way through the glass"),
             ('specular', "Specular", "Sharp refraction, as if the glass were polished"),
             ('reference', "Reference", "Verglas' path tracer, with noise"),
             ('cycles', "Cycles", "Blender's path tracer, with noise"),
+            ('cycles_denoised', "Cycles, Denoised", "Blender's path tracer and OpenImageDenoise"),
             ('eevee', "EEVEE", "Blender's real-time engine"),
         ),
         options={'ENUM_FLAG'},
-        default={'bundle', 'paper', 'single', 'depth_mip', 'specular'},
+        default={'bundle', 'traced', 'paper', 'single', 'depth_mip', 'specular'},
     )
     truth: EnumProperty(
         name="Truth",

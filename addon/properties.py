@@ -17,6 +17,30 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
         ),
         default='REAL_TIME',
     )
+    device: EnumProperty(
+        name="Device",
+        description="What renders the viewport and final frames in real time",
+        items=(
+            ('AUTO', "Auto", "OpenGL on a graphics card; the CPU where there is none, or no driver for it"),
+            ('OPENGL', "OpenGL",
+             "The graphics card: glass as far as the camera sees its nearest and farthest surfaces"),
+            ('CPU', "CPU",
+             "Traced: light is followed through all of the glass, hollows, glass behind glass and inner "
+             "reflections too"),
+        ),
+        default='AUTO',
+    )
+    traced_final: BoolProperty(
+        name="Traced Final Frames",
+        description="Render final frames by the CPU, through all of the glass, whatever draws the viewport",
+        default=False,
+    )
+    max_interfaces: IntProperty(
+        name="Interfaces",
+        description="How many surfaces light is followed through, where it enters, leaves or is reflected "
+                    "inside; beyond, it comes from the world straight away. Fewer are faster",
+        default=8, min=1, max=64,
+    )
     reference_samples: IntProperty(
         name="Samples",
         description="Paths for each pixel. Powers of two converge best",
@@ -43,7 +67,8 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
     )
     samples: IntProperty(
         name="Samples",
-        description="Jittered samples for each pixel. They smooth edges; the glass has no noise to remove",
+        description="Jittered samples for each pixel. One is free of noise; more smooth edges, and by the "
+                    "CPU make the light in the glass more exact",
         default=16, min=1, max=65536, soft_max=256,
     )
     filter_width: FloatProperty(

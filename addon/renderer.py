@@ -1,50 +1,91 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The process's one core renderer: it owns the GL thread, and what has been uploaded stays there
-from frame to frame. It makes one picture at a time."""
+"""The process's two core renderers, one for each device. Each is made when it is first needed, and what it
+has prepared stays with it from frame to frame. It makes one picture at a time; they don't wait for each
+other."""
 
 import atexit
 import threading
 from collections.abc import Callable
 
+from . import devices
 from . import verglas_core as core
 
-_renderer: core.Renderer | None = None
-_busy = threading.Lock()
+Progress = Callable[[int, int], bool]
+"""As the core's: takes samples done and all, and returns whether to go on."""
 
 
-def render(scene: core.Scene, settings: core.Settings,
-           progress: Callable[[int, int], bool] | None = None) -> core.Frame | None:
-    """Waits for its turn and for the picture; None when progress ends it. Raises core.Error, also
-    where OpenGL can't be had."""
-    with _busy:
-        return _get().render(scene, settings, progress)
+class _Device:
+    """A core renderer and whose turn it is."""
+
+    def __init__(self, make: Callable[[], core.Renderer] | Callable[[], core.TracedRenderer]):
+        self._make = make
+        self._renderer: core.Renderer | core.TracedRenderer | None = None
+        self._making = threading.Lock()
+        self._busy = threading.Lock()
+
+    @property
+    def renderer(self) -> core.Renderer | core.TracedRenderer:
+        """Raises core.Error where it can't be had."""
+        with self._making:
+            if self._renderer is None:
+                self._renderer = self._make()
+            return self._renderer
+
+    def render(self, scene: core.Scene, settings: core.Settings,
+               progress: Progress | None) -> core.Frame | None:
+        with self._busy:
+            return self.renderer.render(scene, settings, progress)
+
+    def render_if_idle(self, scene: core.Scene, settings: core.Settings) -> core.Frame | None:
+        if not self._busy.acquire(blocking=False):
+            return None
+        try:
+            return self.renderer.render(scene, settings)
+        finally:
+            self._busy.release()
+
+    def free(self) -> None:
+        self._renderer = None
 
 
-def render_if_idle(scene: core.Scene, settings: core.Settings) -> core.Frame | None:
-    """For the viewport, which must not wait for a final frame: None while another picture is made."""
-    if not _busy.acquire(blocking=False):
-        return None
+_devices = {'OPENGL': _Device(core.Renderer), 'CPU': _Device(core.TracedRenderer)}
+
+
+def render(device: str, scene: core.Scene, settings: core.Settings,
+           progress: Progress | None = None) -> core.Frame | None:
+    """Waits for its turn and for the picture; None when progress ends it. device: 'OPENGL', 'CPU' or 'AUTO'.
+    Raises core.Error, also where the device can't be had."""
+    return _devices[resolved(device)].render(scene, settings, progress)
+
+
+def render_if_idle(device: str, scene: core.Scene, settings: core.Settings) -> core.Frame | None:
+    """For the viewport, which must not wait for a final frame: None while the device makes another one."""
+    return _devices[resolved(device)].render_if_idle(scene, settings)
+
+
+def resolved(device: str) -> str:
+    """'OPENGL' or 'CPU'. 'AUTO' is OpenGL on a GPU, and the CPU where OpenGL computes on it, too, or can't be
+    had; the first time that is asked, OpenGL is started."""
+    if device != 'AUTO':
+        return device
+    if devices.automatic is None:
+        name = opengl_name()
+        devices.automatic = 'CPU' if name is None or devices.is_software(name) else 'OPENGL'
+    return devices.automatic
+
+
+def opengl_name() -> str | None:
+    """The driver's name for what renders by OpenGL; None where it can't be had."""
     try:
-        return _get().render(scene, settings)
-    finally:
-        _busy.release()
-
-
-def device() -> str:
-    """The driver's name for what renders. Raises core.Error where OpenGL can't be had."""
-    return _get().device
-
-
-def _get() -> core.Renderer:
-    global _renderer
-    if _renderer is None:
-        _renderer = core.Renderer()
-    return _renderer
+        return _devices['OPENGL'].renderer.device
+    except core.Error:
+        return None
 
 
 def _free() -> None:
-    global _renderer
-    _renderer = None
+    devices.automatic = None
+    for device in _devices.values():
+        device.free()
 
 
 def register():

@@ -5,7 +5,7 @@ import textwrap
 
 import bpy
 
-from . import compat, faults
+from . import compat, devices, faults
 
 ENGINE = 'VERGLAS'
 
@@ -14,6 +14,9 @@ EXCLUDED_PANELS = {
     'RENDER_PT_stereoscopy',
 }
 """Built-in panels for what Verglas doesn't support."""
+
+DEVICES = {'OPENGL': "OpenGL", 'CPU': "the CPU"}
+"""As the user reads them."""
 
 
 class VerglasPanel:
@@ -53,6 +56,11 @@ class VERGLAS_RENDER_PT_sampling(VerglasPanel, bpy.types.Panel):
     def draw_settings(self, context, layout):
         settings = context.scene.verglas
         layout.prop(settings, "method")
+        layout.prop(settings, "device")
+        if settings.device == 'AUTO' and devices.automatic:
+            row = layout.row()
+            row.alignment = 'RIGHT'
+            row.label(text=f"Auto takes {DEVICES[devices.automatic]}")
         if settings.method == 'REFERENCE':
             layout.prop(settings, "reference_samples")
             layout.prop(settings, "reference_paths")
@@ -60,6 +68,8 @@ class VERGLAS_RENDER_PT_sampling(VerglasPanel, bpy.types.Panel):
                 layout.prop(settings, "reference_tir")
             layout.prop(settings, "reference_seed")
         else:
+            if 'OPENGL' in devices.in_use(context.scene) or settings.traced_final:
+                layout.column(heading="Final Frames").prop(settings, "traced_final", text="Traced")
             layout.prop(settings, "samples")
         layout.prop(settings, "filter_width")
 
@@ -69,9 +79,13 @@ class VERGLAS_RENDER_PT_glass(VerglasPanel, bpy.types.Panel):
 
     def draw_settings(self, context, layout):
         settings = context.scene.verglas
-        layout.prop(settings, "transport")
-        layout.prop(settings, "intersection")
-        layout.prop(settings, "tir")
+        in_use = devices.in_use(context.scene)
+        if 'OPENGL' in in_use:
+            layout.prop(settings, "transport")
+            layout.prop(settings, "intersection")
+            layout.prop(settings, "tir")
+        if 'CPU' in in_use:
+            layout.prop(settings, "max_interfaces")
         layout.prop(settings, "reflection")
 
 
@@ -81,6 +95,22 @@ class VERGLAS_RENDER_PT_film(VerglasPanel, bpy.types.Panel):
 
     def draw_settings(self, context, layout):
         layout.prop(context.scene.render, "film_transparent", text="Transparent")
+
+
+class VERGLAS_RENDER_PT_performance(VerglasPanel, bpy.types.Panel):
+    bl_label = "Performance"
+    bl_options = {'DEFAULT_CLOSED'}
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and 'CPU' in devices.in_use(context.scene)
+
+    def draw_settings(self, context, layout):
+        render = context.scene.render
+        layout.prop(render, "threads_mode")
+        column = layout.column()
+        column.enabled = render.threads_mode == 'FIXED'
+        column.prop(render, "threads")
 
 
 class VERGLAS_VIEWLAYER_PT_passes(VerglasPanel, bpy.types.Panel):
@@ -115,6 +145,7 @@ _classes = (
     VERGLAS_RENDER_PT_sampling,
     VERGLAS_RENDER_PT_glass,
     VERGLAS_RENDER_PT_film,
+    VERGLAS_RENDER_PT_performance,
     VERGLAS_VIEWLAYER_PT_passes,
     VERGLAS_MATERIAL_PT_glass,
 )

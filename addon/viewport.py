@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from . import renderer, sync
+from . import devices, renderer, sync
 from . import verglas_core as core
 from .sync import settings
 
@@ -45,7 +45,8 @@ class Picture:
         width, height, view_matrix, window_matrix = view
         self._scene.camera = core.Camera(np.array(view_matrix), np.array(window_matrix))
         try:
-            frame = renderer.render_if_idle(self._scene, settings.viewport(scene, width, height))
+            frame = renderer.render_if_idle(
+                devices.of_viewport(scene), self._scene, settings.viewport(scene, width, height))
         except core.Error as fault:
             engine.update_stats("", f"Verglas | {fault}")
             self._view, self._texture = view, None

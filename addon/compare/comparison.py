@@ -9,8 +9,8 @@ import bpy
 from .. import verglas_core as core
 from ..faults import Fault
 from . import blur, metrics
-from .measured import Measured
-from .methods import METHODS, PATH_TRACED, REAL_TIME, Conditions, Picture, Subject
+from .measured import Measured, Rendered
+from .methods import METHODS, PATH_TRACED, REAL_TIME, TRACED, Conditions, Picture, Subject
 from .notes import explain, explain_cost
 from .progress import Progress
 from .truth import FIRST_SAMPLES, MAX_SAMPLES, NOISE_TO_ERROR, Truth
@@ -32,7 +32,7 @@ class Options:
     samples: int | None = None
     """a pixel, of real-time methods; None: the file's"""
     method_spp: int = 64
-    """samples a pixel of path-traced methods"""
+    """samples a pixel of path-traced methods, and the most with which traced is followed to the truth"""
     size: tuple[int, int] | None = None
     """width and height in pixels; None: the file's"""
 
@@ -63,35 +63,29 @@ def compare(scene: bpy.types.Scene, options: Options, progress: Progress) -> Com
     progress.step("exporting the scene")
     subject = Subject(scene, options.conditions(scene), notes.append)
     truth = Truth(options.truth, subject)
-    stages, noises = _render_all(subject, options, notes.append, progress)
-    pictures = {method: pictures[-1] for method, pictures in stages.items()}
-    _sample(truth, options, pictures, notes.append, progress)
+    rendered = _render_all(subject, options, notes.append, progress)
+    _sample(truth, options, rendered, notes.append, progress)
 
     progress.step("measuring")
-    methods = {method: Measured.against(truth, pictures, noises.get(method))
-               for method, pictures in stages.items()}
+    methods = {method: Measured.against(truth, made) for method, made in rendered.items()}
     notes += _notes_on_what_is_missing(methods, options)
-    notes += explain(subject, truth, pictures) + explain_cost(methods)
+    notes += explain(subject, truth, {method: made.picture for method, made in rendered.items()})
+    notes += explain_cost(methods)
     kappas = blur.kappas(subject.core_scene, {"truth": truth.pixels, **{
-        method: picture.pixels for method, picture in pictures.items()}}, subject.mask)
+        method: made.picture.pixels for method, made in rendered.items()}}, subject.mask)
     return Comparison(subject, options, truth, methods, kappas, list(dict.fromkeys(notes)))
 
 
 def _render_all(subject: Subject, options: Options, note: Callable[[str], None],
-                progress: Progress) -> tuple[dict[str, list[Picture]], dict[str, float]]:
-    """By method: its pictures as _render() returns them, and the noise of the last if it is path traced."""
-    stages: dict[str, list[Picture]] = {}
-    noises: dict[str, float] = {}
+                progress: Progress) -> dict[str, Rendered]:
+    """By method."""
+    rendered: dict[str, Rendered] = {}
     for method in (known for known in METHODS if known in options.methods):
         try:
-            pictures = _render(subject, method, options, progress)
-            if method in PATH_TRACED:
-                noises[method] = _noise(subject, method, pictures[-1], progress)
+            rendered[method] = _render(subject, method, options, progress)
         except (Fault, core.Error) as fault:
             note(f"{method} isn't in this report: {fault}")
-        else:
-            stages[method] = pictures
-    return stages, noises
+    return rendered
 
 
 def _notes_on_what_is_missing(methods: dict[str, Measured], options: Options) -> list[str]:
@@ -100,10 +94,13 @@ def _notes_on_what_is_missing(methods: dict[str, Measured], options: Options) ->
     for metric, sentence in _MISSING.items():
         if methods and all(measured.metrics[metric] is None for measured in methods.values()):
             notes.append(sentence)
+    if TRACED in methods and options.paths != 'full' and options.tir:
+        notes.append("traced can't follow totally reflected light where it counts two interfaces: its error "
+                     "holds what the truth has of it.")
     if options.paths != 'full':
         notes += [f"{method} can't leave paths out: its error holds all the light that the truth, of "
                   f"{options.paths} paths, doesn't have."
-                  for method in ("cycles", "eevee") if method in methods]
+                  for method in ("cycles", "cycles_denoised", "eevee") if method in methods]
     return notes
 
 
@@ -114,14 +111,27 @@ _MISSING = {
 """Notes on metrics that can't be had."""
 
 
-def _render(subject: Subject, method: str, options: Options, progress: Progress) -> list[Picture]:
-    """The method's picture, last; before it those with fewer samples where it is path traced."""
-    if method == "reference":
-        return _render_reference(subject, options.method_spp, progress)
-    if method == "cycles":
-        return _render_cycles(subject, options.method_spp, progress)
+def _render(subject: Subject, method: str, options: Options, progress: Progress) -> Rendered:
+    if method in PATH_TRACED:
+        way = (_render_reference(subject, options.method_spp, progress) if method == "reference" else
+               _render_cycles(subject, method, options.method_spp, progress))
+        return Rendered(way[-1], way, _noise(subject, method, way[-1], progress))
+    if method == TRACED:
+        way = _render_traced(subject, options.method_spp, progress)
+        return Rendered(next(made for made in way if made.samples == subject.conditions.samples), way)
     progress.step(f"rendering {method}")
-    return [subject.eevee() if method == "eevee" else subject.real_time(method)]
+    return Rendered(subject.eevee() if method == "eevee" else subject.real_time(method), [])
+
+
+def _render_traced(subject: Subject, most: int, progress: Progress) -> list[Picture]:
+    """With 1, 2, 4, … samples and those of the conditions, each begun anew; the times of the first and of the
+    latter are told, so they are medians."""
+    pictures = []
+    for samples in sorted({*_doubling(most, 2), subject.conditions.samples}):
+        progress.step(f"rendering traced, {samples} samples")
+        repeats = 5 if samples in (1, subject.conditions.samples) else 1
+        pictures.append(subject.real_time(TRACED, repeats, samples=samples))
+    return pictures
 
 
 def _render_reference(subject: Subject, samples: int, progress: Progress) -> list[Picture]:
@@ -136,12 +146,15 @@ def _render_reference(subject: Subject, samples: int, progress: Progress) -> lis
     return pictures
 
 
-def _render_cycles(subject: Subject, samples: int, progress: Progress) -> list[Picture]:
-    """With 1, 4, 16, … samples, each begun anew."""
+def _render_cycles(subject: Subject, method: str, samples: int, progress: Progress) -> list[Picture]:
+    """With 1, 4, 16, … samples, each begun anew, after one that warms Cycles up."""
+    denoised = method == "cycles_denoised"
+    progress.step(f"rendering {method}, to warm up")
+    subject.cycles(1, METHOD_SEEDS[0], denoised)
     pictures = []
     for reached in _doubling(samples, 4):
-        progress.step(f"rendering cycles, {reached} samples")
-        pictures.append(subject.cycles(reached, METHOD_SEEDS[0]))
+        progress.step(f"rendering {method}, {reached} samples")
+        pictures.append(subject.cycles(reached, METHOD_SEEDS[0], denoised))
     return pictures
 
 
@@ -161,21 +174,23 @@ def _noise(subject: Subject, method: str, picture: Picture, progress: Progress) 
     if method == "reference":
         other = subject.reference(picture.samples, METHOD_SEEDS[1], progress.part)
     else:
-        other = subject.cycles(picture.samples, METHOD_SEEDS[1])
+        other = subject.cycles(picture.samples, METHOD_SEEDS[1], denoised=method == "cycles_denoised")
     return metrics.relmse(picture.pixels, other.pixels, subject.mask)
 
 
-def _sample(truth: Truth, options: Options, pictures: dict[str, Picture], note: Callable[[str], None],
+def _sample(truth: Truth, options: Options, rendered: dict[str, Rendered], note: Callable[[str], None],
             progress: Progress) -> None:
-    """Gives the truth its samples, and a note where they leave too much noise."""
+    """Gives the truth its samples, and a note where they leave too much noise for real-time methods: of
+    traced, whose further samples come as close to the truth as one likes, for the first."""
     def add(samples: int) -> None:
         progress.step(f"rendering the truth by {truth.method}, {truth.samples + samples} samples")
         truth.add(samples, progress.part)
 
-    judged = {m: p for m, p in pictures.items() if m in REAL_TIME} or pictures
+    judged = [made.way[0] if method == TRACED else made.picture for method, made in rendered.items()
+              if method in REAL_TIME] or [made.picture for made in rendered.values()]
 
     def allowed() -> float:
-        errors = [metrics.relmse(p.pixels, truth.pixels, truth.mask) for p in judged.values()]
+        errors = [metrics.relmse(p.pixels, truth.pixels, truth.mask) for p in judged]
         return NOISE_TO_ERROR * min(errors, default=0.0)
 
     add(options.spp + options.spp % 2 if options.spp else FIRST_SAMPLES)

@@ -23,10 +23,17 @@ from ..sync import settings
 from . import export, images
 from .temporary import changed, plain_picture
 
-REAL_TIME = ("bundle", "paper", "single", "depth_mip", "specular")
-"""Verglas' ways to cross the object: core.Settings.transport in lower case."""
+TRACED = "traced"
+"""Verglas' CPU device."""
 
-PATH_TRACED = ("reference", "cycles")
+BASELINES = ("paper", "single", "depth_mip", "specular")
+
+SCREEN_SPACE = ("bundle", *BASELINES)
+"""Verglas' OpenGL device, by its ways to cross the object: core.Settings.transport in lower case."""
+
+REAL_TIME = ("bundle", TRACED, *BASELINES)
+
+PATH_TRACED = ("reference", "cycles", "cycles_denoised")
 """Methods with noise, which falls with their samples."""
 
 METHODS = REAL_TIME + PATH_TRACED + ("eevee",)
@@ -45,6 +52,11 @@ CYCLES = {
     "pixel_filter_type": 'BLACKMAN_HARRIS', "film_exposure": 1.0,
 }
 """Settings that leave nothing of the light out and make nothing up."""
+
+DENOISED = {
+    "use_denoising": True, "denoiser": 'OPENIMAGEDENOISE', "denoising_input_passes": 'RGB_ALBEDO_NORMAL',
+}
+"""What is changed of these where Cycles may make something up."""
 
 
 @dataclass
@@ -99,9 +111,9 @@ class Subject:
             raise Fault(f"Scene '{scene.name}' shows no glass that Verglas can render.")
 
     def _mask(self) -> np.ndarray:
-        centre = self._settings('single')
-        centre.samples = 1
-        return renderer.render(self.core_scene, centre).depth < BACKGROUND_DEPTH
+        tracer = self.path_tracer()
+        tracer.render(1)
+        return tracer.frame().depth < BACKGROUND_DEPTH
 
     def _settings(self, method: str) -> core.Settings:
         """The file's, changed to the conditions."""
@@ -109,9 +121,11 @@ class Subject:
         result = settings.from_blender(self.scene, conditions.width, conditions.height, self._warn)
         result.region = None
         result.samples = conditions.samples
-        result.transport = method.upper()
+        if method in SCREEN_SPACE:
+            result.transport = method.upper()
         if conditions.paths == 'two_interface':
             result.reflection = False
+            result.paths = 'TWO_INTERFACE'
             if not conditions.tir:
                 result.tir = 'NONE'
         return result
@@ -119,10 +133,11 @@ class Subject:
     def real_time(self, method: str, repeats: int = 5, **overrides) -> Picture:
         """One of REAL_TIME, with the times of the median of several renders. overrides: attributes of
         core.Settings that are to differ from the file's and the conditions'."""
+        device = 'CPU' if method == TRACED else 'OPENGL'
         chosen = self._settings(method)
         for name, value in overrides.items():
             setattr(chosen, name, value)
-        frames = [renderer.render(self.core_scene, chosen) for _ in range(repeats)]
+        frames = [renderer.render(device, self.core_scene, chosen) for _ in range(repeats)]
         median = statistics.median_low(frame.seconds for frame in frames)
         frame = next(frame for frame in frames if frame.seconds == median)
         return Picture(_rgb(frame), frame.seconds, dict(frame.pass_seconds), chosen.samples)
@@ -143,14 +158,17 @@ class Subject:
         tracer = self.path_tracer(seed)
         return Picture.of(tracer) if tracer.render(samples, progress) else None
 
-    def cycles(self, samples: int, seed: int = 0) -> Picture:
-        """By Cycles on the CPU, with all light, whatever the conditions' paths. Raises Fault where Cycles
-        isn't there or fails."""
+    def cycles(self, samples: int, seed: int = 0, denoised: bool = False) -> Picture:
+        """By Cycles on the CPU, with all light, whatever the conditions' paths. Raises Fault where Cycles or
+        its denoiser isn't there, or fails."""
         if not hasattr(self.scene, "cycles"):
             raise Fault("Blender's Cycles add-on is switched off; switch it on in the preferences.")
+        if denoised and not _has_denoiser():
+            raise Fault("this Blender's Cycles is built without its denoiser, OpenImageDenoise.")
+        chosen = CYCLES | (DENOISED if denoised else {})
         width = self.scene.verglas.filter_width
         with (self._engine('CYCLES'),
-              changed(self.scene.cycles, **CYCLES, samples=samples, seed=seed, filter_width=width),
+              changed(self.scene.cycles, **chosen, samples=samples, seed=seed, filter_width=width),
               self._world_without_light_samples(), tempfile.TemporaryDirectory() as folder):
             start = time.perf_counter()
             try:
@@ -196,6 +214,11 @@ class Subject:
 
 def _rgb(frame: core.Frame) -> np.ndarray:
     return np.ascontiguousarray(frame.combined[..., :3])
+
+
+def _has_denoiser() -> bool:
+    import _cycles  # of Blender's Cycles add-on
+    return _cycles.with_openimagedenoise
 
 
 def _display() -> list[str]:

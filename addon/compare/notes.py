@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the error of the default method, bundle, comes from: its pixels are told apart by what rays meet in
-them, and each kind stands for one assumption of the method that doesn't hold there."""
+"""Where the error of the OpenGL device's default method, bundle, comes from: its pixels are told apart by
+what rays meet in them, and each kind stands for one assumption of the method that doesn't hold there. And
+what path tracers need to be as exact as it, or as the CPU device."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from .. import verglas_core as core
 from .measured import Measured
-from .methods import REAL_TIME, Picture, Subject
+from .methods import SCREEN_SPACE, TRACED, Picture, Subject
 from .metrics import RELATIVE_FLOOR, relmse
 from .truth import Truth
 
@@ -37,12 +40,12 @@ KINDS = {
 
 
 def explain(subject: Subject, truth: Truth, pictures: dict[str, Picture]) -> list[str]:
-    """Sentences on where bundle's error lies, and where it loses against the best other real-time method if
-    it does; none without bundle, or where it has no error."""
+    """Sentences on where bundle's error lies, and where it loses against the best other method in screen
+    space if it does; none without bundle, or where it has no error."""
     if JUDGED not in pictures:
         return []
     errors = {name: _squared_errors(pictures[name].pixels, truth.pixels, subject.mask)
-              for name in REAL_TIME if name in pictures}
+              for name in SCREEN_SPACE if name in pictures}
     total = errors[JUDGED].mean()
     if total == 0.0:
         return []
@@ -76,22 +79,63 @@ def _explain_search(subject: Subject, truth: Truth, total: float) -> list[str]:
             f"{max(total - error, 0.0) / total:.0%} of its error comes from exits that these miss."]
 
 
+Way = Sequence[dict[str, float]]
+"""As Measured.convergence."""
+
+
 def explain_cost(methods: dict[str, Measured]) -> list[str]:
-    """How many samples path tracers need to be as exact as bundle."""
-    if JUDGED not in methods:
-        return []
-    error, seconds = methods[JUDGED].metrics["relmse"], methods[JUDGED].picture.seconds
+    """When path tracers are as exact as bundle, and as traced with one sample; and how exact they are when
+    traced has taken as long as they."""
+    ways = {name: measured.convergence for name, measured in methods.items()
+            if measured.convergence and name != TRACED}
     sentences = []
-    for name, measured in methods.items():
-        way = measured.convergence
-        reached = next((point for point in way if point["relmse"] <= error), None)
-        if reached:
-            sentences.append(f"bundle takes {seconds:.2g} s; {name} is as close to the truth with "
-                             f"{reached['samples']} samples, after {reached['seconds']:.2g} s.")
-        elif way:
-            sentences.append(f"bundle takes {seconds:.2g} s; {name} isn't as close to the truth with "
-                             f"{way[-1]['samples']} samples, after {way[-1]['seconds']:.2g} s.")
+    if JUDGED in methods:
+        picture, error = methods[JUDGED].picture, methods[JUDGED].metrics["relmse"]
+        sentences += [f"bundle takes {picture.seconds:.2g} s; {name} {_when(way, error, picture.seconds)}"
+                      for name, way in ways.items()]
+    if TRACED in methods:
+        traced = methods[TRACED].convergence
+        seconds, error = traced[0]["seconds"], traced[0]["relmse"]
+        sentences += [f"traced takes {seconds:.2g} s with one sample; {name} {_when(way, error, seconds)}"
+                      for name, way in ways.items()]
+        sentences += [sentence for name, way in ways.items()
+                      for sentence in _at_equal_times(traced, name, way)]
     return sentences
+
+
+def _when(way: Way, error: float, seconds: float) -> str:
+    """The end of a sentence: when a path tracer is as close to the truth as a picture that takes these
+    seconds."""
+    last = way[-1]
+    if last["relmse"] > error:
+        return (f"isn't as close to the truth with {last['samples']:,} samples, after "
+                f"{last['seconds']:.2g} s, {last['seconds'] / seconds:,.3g} times the time.")
+    samples, reached = (_interpolated(way, "relmse", error, wanted) for wanted in ("samples", "seconds"))
+    return (f"is as close to the truth with {samples:,.0f} samples, after {reached:.2g} s, "
+            f"{reached / seconds:,.3g} times the time.")
+
+
+def _at_equal_times(traced: Way, name: str, way: Way) -> list[str]:
+    """A sentence on the errors of a path tracer and traced wherever both have a picture."""
+    times = [point["seconds"] for point in (*traced, *way)]
+    first = max(traced[0]["seconds"], way[0]["seconds"])
+    last = min(traced[-1]["seconds"], way[-1]["seconds"])
+    shared = sorted({first, last, *(time for time in times if first <= time <= last)})
+    if first >= last:
+        return []
+    theirs, ours = ([_interpolated(points, "seconds", time, "relmse") for time in shared]
+                    for points in (way, traced))
+    ratios = [a / b for a, b in zip(theirs, ours)]
+    return [f"In equal times from {first:.2g} to {last:.2g} s the relative MSE of {name} is {min(ratios):.2g} "
+            f"to {max(ratios):.2g} times that of traced."]
+
+
+def _interpolated(way: Way, key: str, value: float, wanted: str) -> float:
+    """What a way has of one key where another, which rises or falls along it, has this value: a power law from
+    point to point, as the noise of Monte Carlo has; its ends outside."""
+    points = sorted((point[key], point[wanted]) for point in way)
+    x, y = np.log(np.maximum(np.array(points), 1e-30)).T
+    return float(np.exp(np.interp(np.log(max(value, 1e-30)), x, y)))
 
 
 def _shares(values: np.ndarray, kinds: np.ndarray, phrase) -> str:

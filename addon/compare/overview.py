@@ -8,11 +8,14 @@ from pathlib import Path
 
 from ..faults import Fault
 from . import pages
-from .methods import METHODS, REAL_TIME
+from .methods import METHODS, REAL_TIME, SCREEN_SPACE, TRACED
 from .report import best_of
 
 JUDGED = "bundle"
-"""The method that is compared with the best of the others."""
+"""The method that is compared with the best of the others in screen space."""
+
+SHOWN = (JUDGED, TRACED)
+"""The methods whose pictures stand in the table."""
 
 
 def write(reports: dict[str, dict], faults: dict[str, str], command: str, folder: Path) -> dict:
@@ -44,7 +47,7 @@ def _summary(reports: dict[str, dict], faults: dict[str, str], command: str) -> 
 
 def _case(report: dict) -> dict:
     real_time = {name: entry for name, entry in report["methods"].items() if name in REAL_TIME}
-    others = [entry["relmse"] for name, entry in real_time.items() if name != JUDGED]
+    others = [entry["relmse"] for name, entry in real_time.items() if name in SCREEN_SPACE and name != JUDGED]
     best_other = min(others, default=0.0)
     ratio = real_time[JUDGED]["relmse"] / best_other if JUDGED in real_time and best_other > 0.0 else None
     return {
@@ -62,11 +65,11 @@ def _page(summary: dict) -> str:
     facts = {}
     if summary["judged"]:
         facts = {
-            f"{JUDGED} is the best": f"in {summary['wins']} of {summary['judged']} cases",
-            f"Error of {JUDGED} to the best other": f"{pages.number(summary['mean_ratio'])} on average",
+            f"{JUDGED} is the best in screen space": f"in {summary['wins']} of {summary['judged']} cases",
+            f"Error of {JUDGED} to the best other there": f"{pages.number(summary['mean_ratio'])} on average",
         }
     faults = [f"{name}: {sentence}" for name, sentence in summary["faults"].items()]
-    heads = ["Case", "Truth", JUDGED, *summary["methods"], "Noise", "Ratio"]
+    heads = ["Case", "Truth", *SHOWN, *summary["methods"], "Noise", "Ratio"]
     return pages.page("overview.html", {
         "count": str(len(cases)),
         "facts": pages.facts(facts),
@@ -85,7 +88,8 @@ def _row(name: str, case: dict, methods: list[str]) -> list[str]:
               for method in methods]
     return [
         f'<th><a href="{pages.quote(name)}/index.html">{escape(name)}</a></th>',
-        thumbnail("truth"), thumbnail(JUDGED) if JUDGED in case["relmse"] else "<td></td>",
+        thumbnail("truth"),
+        *(thumbnail(method) if method in case["relmse"] else "<td></td>" for method in SHOWN),
         *errors, pages.cell(pages.number(case["truth_noise"], 2)),
         pages.cell("–" if case["ratio"] is None else f"{case['ratio']:.2f}"),
     ]

@@ -15,10 +15,11 @@ LUMINANCE = np.array((0.2126, 0.7152, 0.0722))
 """of linear Rec. 709 RGB"""
 
 COLORS = {
-    "truth": "#808080", "bundle": "#d55e00", "paper": "#0072b2", "single": "#56b4e9", "depth_mip": "#009e73",
-    "specular": "#e69f00", "reference": "#cc79a7", "cycles": "#8c6bb1", "eevee": "#a6761d",
+    "truth": "#808080", "bundle": "#d55e00", "traced": "#c1121f", "paper": "#0072b2", "single": "#56b4e9",
+    "depth_mip": "#009e73", "specular": "#e69f00", "reference": "#cc79a7", "cycles": "#8c6bb1",
+    "cycles_denoised": "#4d9221", "eevee": "#a6761d",
 }
-"""Of lines and points: Okabe and Ito's palette, which colour-blind readers can tell apart, and two more."""
+"""Of lines and points: Okabe and Ito's palette, which colour-blind readers can tell apart, and four more."""
 
 LETTERING = "#808080"
 
@@ -118,8 +119,8 @@ def middle_row(mask: np.ndarray) -> int:
 
 
 def draw_error_over_cost(path: Path, comparison: Comparison) -> None:
-    """Relative MSE over seconds, both logarithmic: a point for each method, a line for what path-traced
-    ones pass on their way, and the truth's own noise."""
+    """Relative MSE over seconds, both logarithmic: a point for each method, a line for what those that
+    converge pass on their way, and the truth's own noise."""
     with _style():
         figure = _figure((8.0, 4.2))
         axes = figure.add_subplot()

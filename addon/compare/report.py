@@ -89,7 +89,7 @@ def _report(comparison: Comparison, case: Case, command: str, notes: list[str]) 
         "command": command,
         "version": ".".join(map(str, bl_info["version"])),
         "blender": bpy.app.version_string,
-        "device": {"opengl": renderer.device(), "cpu": _cpu(), "threads": subject.scene.render.threads},
+        "device": {"opengl": renderer.opengl_name(), "cpu": _cpu(), "threads": subject.scene.render.threads},
     }
 
 
@@ -99,7 +99,9 @@ def _entry(measured: Measured) -> dict:
     if picture.pass_seconds:
         entry["pass_seconds"] = picture.pass_seconds
     if measured.noise is not None:
-        entry |= {"noise": measured.noise, "convergence": measured.convergence}
+        entry["noise"] = measured.noise
+    if measured.convergence:
+        entry["convergence"] = measured.convergence
     return entry
 
 
@@ -145,7 +147,8 @@ def _page(report: dict, comparison: Comparison, folder: Path, overview: str) -> 
         "notes": pages.items(report["notes"], "Nothing to note."),
         "command": escape(report["command"]),
         "versions": escape(f"Verglas {report['version']}, Blender {report['blender']}; OpenGL: "
-                           f"{device['opengl']}; CPU: {device['cpu']}, {device['threads']} threads."),
+                           f"{device['opengl'] or 'none'}; CPU: {device['cpu']}, "
+                           f"{device['threads']} threads."),
     })
 
 

@@ -51,7 +51,14 @@ def viewport(scene: bpy.types.Scene, width: int, height: int) -> core.Settings:
     settings.intersection = scene.verglas.intersection
     settings.tir = scene.verglas.tir
     settings.reflection = scene.verglas.reflection
+    settings.max_interfaces = scene.verglas.max_interfaces
+    settings.threads = threads(scene.render)
     return settings
+
+
+def threads(render: bpy.types.RenderSettings) -> int:
+    """As Blender's Performance panel or its option --threads say; 0: one for each core."""
+    return render.threads if render.threads_mode == 'FIXED' else 0
 
 
 def border(render: bpy.types.RenderSettings, width: int, height: int) -> tuple[int, int, int, int] | None:

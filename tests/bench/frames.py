@@ -3,13 +3,16 @@
 
 import statistics
 import time
+from collections.abc import Callable
 
+from figures.cost import passes_of
 from verglas import renderer
 from verglas import verglas_core as core
+from verglas.compare.methods import TRACED
 
 from .plan import Plan, Size
 
-METHODS = ("bundle", "paper", "single", "specular")
+METHODS = ("bundle", TRACED, "paper", "single", "specular")
 
 Row = dict[str, str | int | float | dict[str, float]]
 
@@ -19,22 +22,38 @@ def settings(method: str, size: Size) -> core.Settings:
     result = core.Settings()
     result.width, result.height = size
     result.samples = 1
-    result.transport = method.upper()
+    if method != TRACED:
+        result.transport = method.upper()
     return result
 
 
-def cost(scene: core.Scene, method: str, size: Size, plan: Plan) -> Row:
+def device(method: str) -> str:
+    """As renderer.render() takes it."""
+    return 'CPU' if method == TRACED else 'OPENGL'
+
+
+def cost(scene: core.Scene, method: str, size: Size, plan: Plan, threads: int = 0) -> Row:
     """Of the median of several frames after one that warms up: wall time (frame_ms), GPU time by pass with
-    the wall time of the readback (passes_ms), and the wall time outside of these (other_ms)."""
+    the wall time of the readback (passes_ms), and the wall time outside of these (other_ms). threads: of the
+    CPU device; 0: one for each core."""
     chosen = settings(method, size)
-    renderer.render(scene, chosen)
+    chosen.threads = threads
+    renderer.render(device(method), scene, chosen)
     frames: list[core.Frame] = []
     end = time.perf_counter() + plan.seconds
     while len(frames) < plan.least_frames or (len(frames) < plan.most_frames and time.perf_counter() < end):
-        frames.append(renderer.render(scene, chosen))
+        frames.append(renderer.render(device(method), scene, chosen))
     median = statistics.median_low(frame.seconds for frame in frames)
     frame = next(frame for frame in frames if frame.seconds == median)
-    passes = {name: 1e3 * seconds for name, seconds in frame.pass_seconds.items()}
+    passes = {name: 1e3 * seconds for name, seconds in passes_of(frame).items()}
     return {"method": method, "width": size[0], "height": size[1], "frame_ms": 1e3 * frame.seconds,
             "passes_ms": passes, "other_ms": max(1e3 * frame.seconds - sum(passes.values()), 0.0),
             "frames": len(frames)}
+
+
+def update_ms(render: Callable[[core.Scene, core.Settings], core.Frame], scene: core.Scene,
+              chosen: core.Settings) -> float:
+    """Wall time of a frame besides its pixels: what it takes until a device has the scene as it now is."""
+    start = time.perf_counter()
+    frame = render(scene, chosen)
+    return 1e3 * (time.perf_counter() - start - frame.seconds)

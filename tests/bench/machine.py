@@ -14,7 +14,7 @@ REPOSITORY = Path(__file__).resolve().parents[2]
 
 
 def describe() -> dict[str, str | int | None]:
-    return {"cpu": _cpu(), "cores": len(os.sched_getaffinity(0)), "opengl": renderer.device(),
+    return {"cpu": _cpu(), "cores": len(os.sched_getaffinity(0)), "opengl": renderer.opengl_name(),
             "blender": bpy.app.version_string, "verglas": core.__version__, "commit": _commit()}
 
 

@@ -19,6 +19,8 @@ class Plan:
     pixel_sizes: tuple[Size, ...]
     ball_edges: tuple[int, ...]
     """For cost against triangles: squares along the edges of cubes, drawn to balls of 12 n^2 triangles."""
+    moving_edge: int
+    """The same of the ball that moves and is deformed."""
     ndfs: tuple[str, ...]
     """whose tables are built and loaded"""
     map_widths: tuple[int, ...]
@@ -34,13 +36,14 @@ FULL = Plan(
     model_sizes=((512, 512), (1920, 1080)), model_limit=None,
     pixel_sizes=((256, 256), (512, 512), (1024, 1024), (1920, 1080), (2560, 1440), (3840, 2160)),
     ball_edges=(9, 18, 37, 73, 146, 289, 577),  # 1k to 4M triangles, by fours
+    moving_edge=289,  # 1M triangles
     ndfs=('BECKMANN', 'GGX', 'BLINN_PHONG'), map_widths=(1024, 2048, 4096),
     engine_size=(512, 512), reference_samples=32, cycles_samples=(4, 36), with_eevee=True)
 
 QUICK = Plan(
     most_frames=1, least_frames=1, seconds=0.0,
     model_sizes=((64, 64), (96, 54)), model_limit=2,
-    pixel_sizes=((32, 32), (128, 128)), ball_edges=(4, 16),
+    pixel_sizes=((32, 32), (128, 128)), ball_edges=(4, 16), moving_edge=4,
     ndfs=('BECKMANN',), map_widths=(64,),
     engine_size=(64, 64), reference_samples=2, cycles_samples=(1, 65), with_eevee=False)
 """Only to see that all works."""

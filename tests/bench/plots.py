@@ -48,7 +48,7 @@ def pixels(rows: list[Row]) -> plt.Figure:
 
 def _lines(rows: list[Row], x: str, part: str, part_of: Callable[[Row], float]) -> plt.Figure:
     """Frames' times over x, both logarithmic: a line for each method, and a dashed one for a part of the work
-    that all methods have in common."""
+    that the methods by OpenGL have in common."""
     picture, ax = layout.plots(1, 1, figsize=(4.6, 3.0))
     for method in METHODS:
         shown = [row for row in rows if row["method"] == method]

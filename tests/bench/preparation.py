@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is done once before the first frame: tables of lobes, and the environment's filtered levels."""
+"""What is done once before the first frame: tables of lobes, and the environment's filtered levels, by each
+device."""
 
 import contextlib
 import os
@@ -13,8 +14,10 @@ from verglas import verglas_core as core
 from verglas.compare.progress import Progress
 
 from . import subjects
-from .frames import Row, settings
+from .frames import Row, settings, update_ms
 from .plan import Plan
+
+SMALL = settings("bundle", (16, 16))
 
 
 def steps(plan: Plan, progress: Progress) -> list[Row]:
@@ -32,7 +35,7 @@ def _tables(plan: Plan) -> Iterator[Row]:
                 scene = core.Scene()
                 scene.add_material(material)
                 yield {"step": f"tables of {ndf.replace('_', '-').title()}, {way}",
-                       "ms": 1e3 * _prepare_seconds(core.Renderer(), scene)["tables"]}
+                       "ms": 1e3 * core.Renderer().render(scene, SMALL).prepare_seconds["tables"]}
 
 
 def _environments(plan: Plan) -> Iterator[Row]:
@@ -41,19 +44,18 @@ def _environments(plan: Plan) -> Iterator[Row]:
     first = core.EnvironmentMap.load(str(path))
     yield {"step": f"map of {first.width} x {first.height}, read from its file",
            "ms": 1e3 * (time.perf_counter() - start)}
-    renderer = core.Renderer()
-    _prepare_seconds(renderer, core.Scene())  # warms up: the first filtering compiles its shader
+    renderer, traced = core.Renderer(), core.TracedRenderer()
+    for device in renderer, traced:
+        device.render(core.Scene(), SMALL)  # warms up: the first filtering by OpenGL compiles its shader
     noise = np.random.default_rng(0)
     for width in plan.map_widths:
         scene = core.Scene()
         pixels = noise.random((width // 2, width, 3), np.float32)
         scene.environment_map = core.EnvironmentMap("Noise", pixels)
         yield {"step": f"map of {width} x {width // 2}, uploaded and filtered",
-               "ms": 1e3 * _prepare_seconds(renderer, scene)["environment"]}
-
-
-def _prepare_seconds(renderer: core.Renderer, scene: core.Scene) -> dict[str, float]:
-    return renderer.render(scene, settings("bundle", (16, 16))).prepare_seconds
+               "ms": 1e3 * renderer.render(scene, SMALL).prepare_seconds["environment"]}
+        yield {"step": f"map of {width} x {width // 2}, filtered by the CPU",
+               "ms": update_ms(traced.render, scene, SMALL)}
 
 
 @contextlib.contextmanager

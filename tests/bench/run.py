@@ -27,7 +27,7 @@ def parse_arguments(arguments: list[str]) -> argparse.Namespace:
 
 def measure(quick: bool, progress) -> dict:
     """What bench.json holds."""
-    from bench import engines, machine, preparation, scaling, summary
+    from bench import engines, machine, preparation, scaling, summary, updates
     from bench.plan import FULL, QUICK
 
     plan = QUICK if quick else FULL
@@ -37,11 +37,13 @@ def measure(quick: bool, progress) -> dict:
         "models": scaling.by_model(plan, progress),
         "triangles": scaling.by_triangles(plan, progress),
         "pixels": scaling.by_pixels(plan, progress),
+        "threads": scaling.by_threads(plan, progress),
+        "updates": updates.steps(plan, progress),
         "preparation": preparation.steps(plan, progress),
         "engines": engines.engines(plan, progress, notes),
         "notes": notes,
     }
-    return results | {"ratios": summary.ratios(results["models"], results["engines"])}
+    return results | {"ratios": summary.ratios(results["models"], results["engines"], results["threads"])}
 
 
 def draw(results: dict, folder: Path) -> None:

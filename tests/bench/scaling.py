@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cost of a frame: of several models, against triangles, and against pixels."""
+"""The cost of a frame: of several models, against triangles, against pixels, and against threads."""
+
+import functools
+import os
 
 from figures.models import MODELS
 from verglas import renderer
+from verglas.compare.methods import TRACED
 from verglas.compare.progress import Progress
 
 from . import subjects
-from .frames import METHODS, Row, cost, settings
+from .frames import METHODS, Row, cost, device, settings, update_ms
 from .plan import Plan
 
 BALL_SIZE = 512
@@ -26,16 +30,18 @@ def by_model(plan: Plan, progress: Progress) -> list[Row]:
 
 
 def by_triangles(plan: Plan, progress: Progress) -> list[Row]:
-    """Of balls that cover the same pixels. upload_ms is the time until the triangles are on the GPU."""
+    """Of balls that cover the same pixels. upload_ms is the time until the device has the triangles: they are
+    on the GPU, or their tree is built."""
     size = (BALL_SIZE, BALL_SIZE)
     view = subjects.subject(MODELS["sphere"], size, progress).core_scene
     rows = []
     for squares in plan.ball_edges:
         scene = subjects.ball_scene(squares, view)
         progress.step(f"frames of {scene.triangle_count:,} triangles")
-        upload = renderer.render(scene, settings("single", size)).prepare_seconds["meshes"]
-        common = {"triangles": scene.triangle_count, "upload_ms": 1e3 * upload}
-        rows += [common | cost(scene, method, size, plan) for method in METHODS]
+        upload_ms = {name: update_ms(functools.partial(renderer.render, name), scene, settings(method, size))
+                     for name, method in (('OPENGL', "single"), ('CPU', TRACED))}
+        rows += [{"triangles": scene.triangle_count, "upload_ms": upload_ms[device(method)]}
+                 | cost(scene, method, size, plan) for method in METHODS]
     return rows
 
 
@@ -48,3 +54,13 @@ def by_pixels(plan: Plan, progress: Progress) -> list[Row]:
         common = {"pixels": size[0] * size[1], "object_pixels": int(subject.mask.sum())}
         rows += [common | cost(subject.core_scene, method, size, plan) for method in METHODS]
     return rows
+
+
+def by_threads(plan: Plan, progress: Progress) -> list[Row]:
+    """Of the monkey, traced by 1, 2, 4, … threads up to one for each core."""
+    progress.step("frames by numbers of threads")
+    subject = subjects.subject(MODELS["monkey"], plan.engine_size, progress)
+    cores = len(os.sched_getaffinity(0))
+    counts = sorted({*(1 << i for i in range(cores.bit_length())), cores})
+    return [{"threads": count} | cost(subject.core_scene, TRACED, plan.engine_size, plan, count)
+            for count in counts]

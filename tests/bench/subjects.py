@@ -34,9 +34,9 @@ def subject(model: Model, size: Size, progress: Progress) -> Subject:
     return Subject(new_scene(model, EXPONENT), Conditions(*size, samples=1), progress.say)
 
 
-def ball(squares: int) -> core.Mesh:
+def ball_mesh(squares: int) -> tuple[np.ndarray, np.ndarray]:
     """A unit sphere of 12 squares^2 triangles of about equal size: a cube whose faces are grids, spread to
-    equal angles and drawn to the sphere."""
+    equal angles and drawn to the sphere. Its points, which are their own normals, and triangles."""
     angles = np.linspace(-np.pi / 4, np.pi / 4, squares + 1)
     u, v = np.meshgrid(np.tan(angles), np.tan(angles))
     points = []
@@ -52,15 +52,26 @@ def ball(squares: int) -> core.Mesh:
     up, across = squares + 1, 1
     triangles = np.concatenate([np.stack([first, first + across, first + across + up], 1),
                                 np.stack([first, first + across + up, first + up], 1)])
+    return points, triangles
+
+
+def ball(squares: int) -> core.Mesh:
+    points, triangles = ball_mesh(squares)
     return core.Mesh(f"Ball of {len(triangles)} triangles", points, points, triangles)
+
+
+def scene_of(mesh: core.Mesh, matrix: np.ndarray) -> core.Scene:
+    """The mesh in glass before a black world. matrix: object -> world."""
+    scene = core.Scene()
+    scene.add_object("Ball", mesh, matrix, [scene.add_material(core.Material("Glass"))])
+    return scene
 
 
 def ball_scene(squares: int, view: core.Scene) -> core.Scene:
     """The ball in place of another scene's objects, with its camera and world."""
-    scene = core.Scene()
+    scene = scene_of(ball(squares), np.eye(4))
     scene.camera = view.camera
     scene.environment_map = view.environment_map
     scene.environment_color = view.environment_color
     scene.environment_rotation = view.environment_rotation
-    scene.add_object("Ball", ball(squares), np.eye(4), [scene.add_material(core.Material("Glass"))])
     return scene

@@ -10,8 +10,9 @@ TRUTH_SAMPLES = 512
 """of a path-traced picture, as in the paper"""
 
 
-def ratios(models: list[Row], engines: list[Row]) -> dict[str, float]:
-    """By a name that reads 'this / that'. Of frames: the geometric mean over the models."""
+def ratios(models: list[Row], engines: list[Row], threads: list[Row]) -> dict[str, float]:
+    """By a name that reads 'this / that'. Of frames: the geometric mean over the models. Cycles' time is that
+    of its samples alone, found with fewer of them: each takes the same."""
     result = {}
     for size in _sizes(models):
         for method in METHODS:
@@ -25,10 +26,14 @@ def ratios(models: list[Row], engines: list[Row]) -> dict[str, float]:
     result["reference / bundle, one sample"] = sample_ms["reference"] / sample_ms["bundle"]
     if "cycles" in sample_ms:
         result["reference / cycles, one sample"] = sample_ms["reference"] / sample_ms["cycles"]
-        result[f"cycles with {TRUTH_SAMPLES} samples / bundle with one"] = (
-            TRUTH_SAMPLES * sample_ms["cycles"] / sample_ms["bundle"])
+        for method in ("bundle", "traced"):
+            result[f"cycles with {TRUTH_SAMPLES} samples / {method} with one"] = (
+                TRUTH_SAMPLES * sample_ms["cycles"] / sample_ms[method])
     if "eevee" in picture_ms:
         result["eevee's picture / bundle with one sample"] = picture_ms["eevee"] / sample_ms["bundle"]
+    for row in threads[1:]:
+        name = f"traced, 1 thread / {row['threads']} threads"
+        result[name] = threads[0]["frame_ms"] / row["frame_ms"]
     return result
 
 
@@ -39,6 +44,7 @@ def text(results: dict) -> str:
                                {row["step"]: row["ms"] for row in results["preparation"]}), "",
                       *_column("milliseconds of one sample of the monkey",
                                {row["engine"]: row["sample_ms"] for row in results["engines"]}), "",
+                      *_updates(results["updates"]), "",
                       *_column("ratios", results["ratios"]), *results["notes"]])
 
 
@@ -53,6 +59,11 @@ def _models(rows: list[Row]) -> Iterator[str]:
         for model in _titles(rows):
             times = (_frame_ms(rows, model, size, method) for method in METHODS)
             yield f"{f'{model}, {size[0]} x {size[1]}':32}" + "".join(f"{time:10.1f}" for time in times)
+
+
+def _updates(rows: list[Row]) -> Iterator[str]:
+    yield from _column(f"milliseconds until a device has {rows[0]['triangles']:,} triangles",
+                       {f"{row['update']}, {row['method']}": row["ms"] for row in rows})
 
 
 def _column(title: str, values: dict[str, float]) -> Iterator[str]:

@@ -29,6 +29,13 @@ def scene() -> bpy.types.Scene:
     return scene
 
 
+@pytest.fixture(params=['OPENGL', 'CPU'])
+def device(request, scene) -> str:
+    """Runs a test by each device."""
+    scene.verglas.device = request.param
+    return request.param
+
+
 @pytest.fixture
 def warned() -> list[str]:
     """A list whose append is what the sync functions take to warn."""

@@ -45,6 +45,7 @@ def empty_scene() -> bpy.types.Scene:
     scene.render.engine = 'VERGLAS'
     scene.render.resolution_x, scene.render.resolution_y = 64, 48
     scene.verglas.samples = 1
+    scene.verglas.device = 'OPENGL'  # not what this machine has
     scene.world = bpy.data.worlds.new("World")
     scene.world.color = (0.0, 0.0, 0.0)
     return scene

@@ -23,9 +23,13 @@ def relative_mse(picture: np.ndarray, truth: np.ndarray, mask: np.ndarray) -> fl
     return float(((a - b) ** 2 / (b ** 2 + 0.01)).mean())
 
 
-def build(shape: str, size: int) -> bpy.types.Scene:
+by_each_device = pytest.mark.parametrize("device", ['OPENGL', 'CPU'])
+
+
+def build(shape: str, size: int, device: str = 'OPENGL') -> bpy.types.Scene:
     """Monkey or sphere of frosted glass in the forest map."""
     scene = empty_scene()
+    scene.verglas.device = device
     add_camera(scene)
     set_map(scene, world_map("forest"))
     material = frosted(ROUGHNESS)
@@ -71,20 +75,22 @@ def error(truth: Picture, scene: bpy.types.Scene, transport: str = 'BUNDLE') -> 
     return relative_mse(picture.rgb, truth.rgb, picture.mask)
 
 
+@by_each_device
 @pytest.mark.parametrize("shape, bound", [("monkey", 0.05), ("sphere", 0.03)])
-def test_small_picture(truths, shape, bound):
+def test_small_picture(truths, shape, bound, device):
     """The glass would not look like glass: the bound holds Cycles' own noise at 128 samples too."""
-    found = error(truths[shape, 128, 128], build(shape, 128))
-    print(f"{shape}, 128 x 128: relative MSE {found:.4f}")
+    found = error(truths[shape, 128, 128], build(shape, 128, device))
+    print(f"{shape}, 128 x 128, {device}: relative MSE {found:.4f}")
     assert found <= bound
 
 
 @pytest.mark.parametrize("flip", [np.s_[:, ::-1], np.s_[::-1, :]], ids=["mirrored", "upside down"])
+@by_each_device
 @pytest.mark.parametrize("shape", ["monkey", "sphere"])
-def test_orientation(truths, shape, flip):
+def test_orientation(truths, shape, flip, device):
     """The environment would be seen mirrored or upside down through the glass."""
     truth = truths[shape, 128, 128]
-    picture = render(build(shape, 128))
+    picture = render(build(shape, 128, device))
     mask = picture.mask & picture.mask[flip]
     right = relative_mse(picture.rgb, truth.rgb, mask)
     assert relative_mse(picture.rgb[flip], truth.rgb, mask) > 3.0 * right
@@ -93,10 +99,12 @@ def test_orientation(truths, shape, flip):
     assert right < 0.01 < relative_mse(picture.rgb[flip], truth.rgb, background)
 
 
+@by_each_device
 @pytest.mark.parametrize("kind", ['POINT', 'TEXTURE', 'VECTOR', 'NORMAL'])
-def test_rotated_world(kind):
+def test_rotated_world(kind, device):
     """A turned environment would be turned otherwise than in Cycles."""
     scene = empty_scene()
+    scene.verglas.device = device
     add_camera(scene)
     turned = [math.radians(angle) for angle in (20, -35, 110)]
     add_mapping(scene, set_map(scene, world_map("courtyard")), rotation=turned, kind=kind)
@@ -134,7 +142,7 @@ def frame_seconds(scene: bpy.types.Scene) -> float:
     core_scene.camera = camera.from_blender(camera_object, depsgraph, width, height, print)
     core_settings = settings.from_blender(scene, width, height, print)
     core_settings.samples = 1
-    seconds = [renderer.render(core_scene, core_settings).seconds for _ in range(6)]
+    seconds = [renderer.render('OPENGL', core_scene, core_settings).seconds for _ in range(6)]
     return float(np.median(seconds[1:]))
 
 

@@ -13,8 +13,12 @@ from scenes import (
 from verglas import faults
 
 
+by_each_device = pytest.mark.usefixtures("device")
+
+
 @pytest.fixture
-def lit(scene) -> bpy.types.Scene:
+def lit(scene, device) -> bpy.types.Scene:
+    """By each device."""
     set_background(scene)
     return scene
 
@@ -104,6 +108,7 @@ def test_scaled_to_nothing(lit, scale):
     assert len(faults.warnings()) == 1 and "'Sphere'" in faults.warnings()[0]
 
 
+@by_each_device
 @pytest.mark.parametrize("node", ["ShaderNodeBsdfGlass", "ShaderNodeBsdfRefraction"])
 @pytest.mark.parametrize("roughness", [0.0, 1.0])
 @pytest.mark.parametrize("ior", [1.0, 1.5])
@@ -118,6 +123,7 @@ def test_extreme_materials(scene, node, roughness, ior):
     assert faults.warnings() == ()
 
 
+@by_each_device
 def test_clear_glass_without_refraction_is_invisible(scene):
     """Glass of IOR 1 and roughness 0 must show exactly what is behind it."""
     set_map(scene)
@@ -138,10 +144,11 @@ def test_smallest_picture(lit):
 
 
 @pytest.mark.parametrize("size", [4096, pytest.param(8192, marks=pytest.mark.slow)])
-def test_large_picture(lit, size):
+def test_large_picture(scene, size):
     """A picture for print would crash for lack of memory in the driver."""
+    set_background(scene)
     add_sphere(frosted())
-    lit.render.resolution_x = lit.render.resolution_y = size
+    scene.render.resolution_x = scene.render.resolution_y = size
     result = bpy.ops.render.render()
     assert result == {'FINISHED'}
     assert faults.warnings() == ()

@@ -27,9 +27,11 @@ def test_quick_run_writes_what_it_says(tmp_path, capfd):
     for kind in "models", "triangles", "pixels":
         assert {row["method"] for row in results[kind]} == set(frames.METHODS)
         assert (tmp_path / f"{kind}.png").stat().st_size > 5000
+    assert [row["threads"] for row in results["threads"]][0] == 1
+    assert {row["method"] for row in results["updates"]} == {"bundle", "traced"}
     assert {row["engine"] for row in results["engines"]} == {*frames.METHODS, "reference", "cycles"}
     assert (tmp_path / "engines.png").is_file() and (tmp_path / "preparation.png").is_file()
-    numbers = [row[name] for kind in ("preparation", "engines") for row in results[kind]
+    numbers = [row[name] for kind in ("preparation", "engines", "updates") for row in results[kind]
                for name in row if name.endswith("ms")]
     numbers += [row["frame_ms"] for row in results["models"]] + list(results["ratios"].values())
     assert min(numbers) > 0.0 and np.isfinite(numbers).all()
@@ -42,7 +44,8 @@ def test_passes_add_up(method):
     """The bars of the passes would show other times than the frames take, or leave a pass out."""
     subject = subjects.subject(subjects.models()[0], (256, 256), Progress())
     row = frames.cost(subject.core_scene, method, (256, 256), plan.QUICK)
-    assert {"back_faces", "front_faces", "refraction", "readback"} <= set(row["passes_ms"]) <= set(PASSES)
+    named = {"tracing"} if method == "traced" else {"back_faces", "front_faces", "refraction", "readback"}
+    assert named <= set(row["passes_ms"]) <= set(PASSES)
     # Passes of a driver with several threads may overlap a little.
     assert 0.4 * row["frame_ms"] < sum(row["passes_ms"].values()) < 1.6 * row["frame_ms"]
 
@@ -77,13 +80,18 @@ def test_ratios():
     """The summary would praise the wrong method."""
     models = [{"model": model, "width": 4, "height": 4, "method": method, "frame_ms": factor * milliseconds}
               for model, milliseconds in (("a", 1.0), ("b", 100.0))
-              for method, factor in (("bundle", 2.0), ("paper", 8.0), ("single", 1.0), ("specular", 0.5))]
-    rows = [{"engine": "bundle", "sample_ms": 2.0}, {"engine": "reference", "sample_ms": 4.0},
+              for method, factor in (("bundle", 2.0), ("traced", 1.5), ("paper", 8.0), ("single", 1.0),
+                                     ("specular", 0.5))]
+    rows = [{"engine": "bundle", "sample_ms": 2.0}, {"engine": "traced", "sample_ms": 1.0},
+            {"engine": "reference", "sample_ms": 4.0},
             {"engine": "cycles", "sample_ms": 8.0},
             {"engine": "eevee", "sample_ms": 1.0, "picture_ms": 64.0}]
-    found = summary.ratios(models, rows)
+    threads = [{"threads": 1, "frame_ms": 9.0}, {"threads": 2, "frame_ms": 5.0}]
+    found = summary.ratios(models, rows, threads)
     assert found["paper / bundle, frames of 4 x 4"] == pytest.approx(4.0)
     assert found["specular / bundle, frames of 4 x 4"] == pytest.approx(0.25)
     assert found["reference / cycles, one sample"] == pytest.approx(0.5)
     assert found["cycles with 512 samples / bundle with one"] == pytest.approx(2048.0)
+    assert found["cycles with 512 samples / traced with one"] == pytest.approx(4096.0)
+    assert found["traced, 1 thread / 2 threads"] == pytest.approx(1.8)
     assert found["eevee's picture / bundle with one sample"] == pytest.approx(32.0)

@@ -70,6 +70,7 @@ def test_scaled_and_parented_camera(scene):
     check(scene)
 
 
+@pytest.mark.usefixtures("device")
 @pytest.mark.parametrize("kind, shift", [('PERSP', 0.0), ('PERSP', 0.3), ('ORTHO', 0.0)])
 def test_sphere_lands_where_blender_says(scene, kind, shift):
     """Matrices could be right and the picture still shifted, mirrored or upside down."""

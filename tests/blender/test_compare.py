@@ -18,9 +18,10 @@ from scenes import (
     add, add_monkey, add_node, add_sphere, frosted, new_group, new_material, node_of, render, sample_map,
     set_map,
 )
-from verglas import operators
-from verglas.compare import cases, images, methods, metrics, notes, runner, truth
+from verglas import operators, renderer
+from verglas.compare import cases, images, methods, metrics, notes, overview, runner, truth
 from verglas.compare.comparison import Options, compare
+from verglas.compare.measured import Measured
 from verglas.compare.progress import Progress
 from verglas.faults import Fault
 
@@ -194,6 +195,36 @@ def test_eevee(glass):
     reference = subject.reference(64).pixels
     assert metrics.relmse(picture.pixels, reference, ~subject.mask) < 0.05
     assert picture.seconds > 0.0 and picture.samples > 1
+
+
+def test_traced_has_the_conditions(glass, monkeypatch):
+    """The CPU device would be judged by light that the truth leaves out, or not be the one that renders."""
+    chosen = []
+
+    def note(device, _, settings, progress=None):
+        chosen.append((device, settings.transport, settings.max_interfaces, settings.reflection,
+                       settings.samples))
+        return render_by(device, _, settings, progress)
+
+    render_by = renderer.render
+    monkeypatch.setattr(renderer, "render", note)
+    glass.verglas.max_interfaces, glass.verglas.transport = 5, 'PAPER'
+    methods.Subject(glass, SMALL, print).real_time("traced", 1)
+    two = methods.Subject(glass, methods.Conditions(48, 36, 2, 'two_interface'), print)
+    two.real_time("traced", 1, samples=4)
+    two.real_time("single", 1)
+    assert chosen == [('CPU', 'PAPER', 5, True, 2), ('CPU', 'PAPER', 2, False, 4),
+                      ('OPENGL', 'SINGLE', 2, False, 2)]
+
+
+def test_without_denoiser(glass):
+    """A Cycles without its denoiser, as Debian's, would end the comparison, or pass its noisy picture off."""
+    if methods._has_denoiser():
+        pytest.skip("this Cycles has one")
+    done = compare(glass, Options(methods=("single", "cycles_denoised"), spp=2, method_spp=1), silent())
+    assert list(done.methods) == ["single"]
+    assert any("cycles_denoised isn't in this report: this Blender's Cycles is built without" in note
+               for note in done.notes)
 
 
 # Truth
@@ -374,6 +405,29 @@ def test_blur_is_only_told_of_a_point_sun(glass):
     assert not compare(glass, Options(("bundle",), spp=2), silent()).kappas
 
 
+def test_report_of_traced(file, tmp_path):
+    """How the CPU device's picture comes closer to the truth would be missing, or measured at other samples
+    than users set."""
+    assert run([cases.Case(file, name="glass")], tmp_path, methods=("traced", "cycles"), method_spp=4,
+               paths='two_interface', tir=True)
+    report = json.loads((tmp_path / "report.json").read_text())
+    entry = report["methods"]["traced"]
+    way = entry["convergence"]
+    assert [point["samples"] for point in way] == [1, 2, 4] and "noise" not in entry
+    assert entry["samples"] == SMALL.samples and entry["relmse"] == way[1]["relmse"]
+    assert all(point["seconds"] > 0.0 for point in way)
+    told = [note for note in report["notes"] if "traced takes" in note]
+    assert len(told) == 1 and "with one sample; cycles is" in told[0]
+    assert any("can't follow totally reflected light" in note for note in report["notes"])
+
+
+def test_truth_is_good_enough_for_the_first_sample_of_traced(glass):
+    """The truth would need endless time, as traced comes as close to it as one likes, or be too noisy for its
+    first picture."""
+    done = compare(glass, Options(methods=("traced",), method_spp=2), silent())
+    assert done.truth.noise < 0.1 * done.methods["traced"].convergence[0]["relmse"]
+
+
 def test_report_holds_the_pictures_that_were_measured(file, tmp_path):
     """The numbers in a report could not be checked by its pictures."""
     run([cases.Case(file, name="glass")], tmp_path)
@@ -434,7 +488,41 @@ def test_progress_is_readable_in_a_log():
     assert stream.getvalue() == "verglas: 1/2 sphere: tracing\n"
 
 
+def test_ratio_is_that_of_screen_space():
+    """The overview would say that bundle loses where it is the best of its kind, or hide that traced is
+    better."""
+    errors = {"bundle": 0.2, "traced": 0.01, "paper": 0.4, "single": 0.5, "cycles": 0.001}
+    report = {"file": "", "roughness": None, "map": None, "truth": {"noise": 0.0, "spp": 2},
+              "methods": {name: {"relmse": error} for name, error in errors.items()}}
+    case = overview._case(report)
+    assert case["ratio"] == pytest.approx(0.5) and case["best"] == "traced" and case["relmse"] == errors
+
+
 # Notes
+
+def converging(*points: tuple[int, float, float], noise: float | None = None) -> Measured:
+    """Of these samples, seconds and errors."""
+    way = [{"samples": samples, "seconds": seconds, "relmse": error} for samples, seconds, error in points]
+    picture = methods.Picture(A, points[-1][1], samples=points[-1][0])
+    return Measured(picture, {"relmse": points[-1][2]}, noise, way if len(way) > 1 else [])
+
+
+def test_cost_of_the_same_error():
+    """A report would tell wrong how much longer a path tracer takes."""
+    cycles = converging((1, 0.5, 1.6), (4, 2.0, 0.4), (16, 8.0, 0.1), noise=0.1)
+    found = notes.explain_cost({
+        "bundle": converging((16, 0.2, 0.2)), "cycles": cycles,
+        "traced": converging((1, 0.1, 0.8), (2, 0.2, 0.2), (32, 4.0, 0.05))})
+    assert found == [
+        "bundle takes 0.2 s; cycles is as close to the truth with 8 samples, after 4 s, 20 times the time.",
+        "traced takes 0.1 s with one sample; cycles is as close to the truth with 2 samples, after 1 s, "
+        "10 times the time.",
+        # traced at 0.5 s: 0.2 * (0.2 / 0.5)^(log 4 / log 20); at 4 s: cycles has 0.2
+        "In equal times from 0.5 to 4 s the relative MSE of cycles is 4 to 12 times that of traced."]
+    exact = notes.explain_cost({"bundle": converging((1, 0.2, 0.05)), "cycles": cycles})
+    assert exact == ["bundle takes 0.2 s; cycles isn't as close to the truth with 16 samples, after 8 s, "
+                     "40 times the time."]
+
 
 def test_kinds_of_pixels(scene):
     """Notes would blame geometry that isn't there."""

@@ -53,7 +53,7 @@ def test_quick_run_writes_what_it_says(tmp_path):
         assert record["command"] in page
         values = [value for row in record["numbers"] for value in row.values() if isinstance(value, float)]
         assert values and np.isfinite(values).all()
-    assert {row["method"] for row in figures["10"]["numbers"]} == {"bundle", "paper"}
+    assert {row["method"] for row in figures["10"]["numbers"]} == {"bundle", "traced", "paper"}
     assert "Fig. 13" in page  # among those that aren't made yet
 
 

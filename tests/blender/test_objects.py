@@ -157,6 +157,7 @@ def test_modified_duplicates_stay_different(scene):
     assert np.abs(normals[0] - normals[1]).max() > 0.3
 
 
+@pytest.mark.usefixtures("device")
 def test_mirrored_object(scene):
     """A mirrored object, scaled by -1, would be drawn inside out."""
     set_map(scene)
@@ -176,6 +177,7 @@ def test_mirrored_object(scene):
     assert np.abs(mirrored.rgb - baked.rgb)[both].mean() < 0.02 * baked.rgb[both].mean()
 
 
+@pytest.mark.usefixtures("device")
 def test_flat_and_smooth_differ(scene):
     """Shade Flat would have no effect."""
     sphere = add_sphere(frosted(), 16, 8)
@@ -226,6 +228,7 @@ def test_excluded_collection(scene):
     assert not render(scene).mask.any()
 
 
+@pytest.mark.usefixtures("device")
 def test_nearer_object_hides_farther_one(scene):
     """Of two objects the farther would be drawn over the nearer."""
     set_background(scene)

@@ -17,18 +17,23 @@ from scenes import (
 from verglas import faults
 
 
+by_each_device = pytest.mark.usefixtures("device")
+
+
 @pytest.fixture
 def monkey(scene) -> bpy.types.Object:
     set_map(scene)
     return add_monkey(frosted())
 
 
+@by_each_device
 def test_same_scene_same_picture(scene, monkey):
     """Frames of an animation would flicker: the picture has no noise."""
     scene.verglas.samples = 3
     assert np.array_equal(render(scene).combined, render(scene).combined)
 
 
+@by_each_device
 def test_resolution_percentage(scene, monkey):
     """The percentage would be ignored, or the picture cut off instead of scaled."""
     whole = render(scene)
@@ -38,6 +43,7 @@ def test_resolution_percentage(scene, monkey):
     assert half.mask.mean() == pytest.approx(whole.mask.mean(), abs=0.03)
 
 
+@by_each_device
 @pytest.mark.parametrize("border", [(0.3, 0.1, 0.7, 0.9), (0.0, 0.5, 0.5, 1.0), (0.111, 0.222, 0.333, 0.777)])
 def test_border(scene, monkey, border):
     """A render region would show another part of the picture, or scale it."""
@@ -61,6 +67,7 @@ def test_border(scene, monkey, border):
     assert np.array_equal(cropped.combined.reshape(-1, 4), part.combined[inside])
 
 
+@by_each_device
 def test_film(scene, monkey):
     """A transparent film would be opaque, or its glass without alpha."""
     opaque = render(scene)
@@ -73,6 +80,7 @@ def test_film(scene, monkey):
     assert np.allclose(transparent.rgb[transparent.mask], opaque.rgb[opaque.mask], atol=1e-5)
 
 
+@by_each_device
 def test_samples_smooth_edges(scene, monkey):
     """Edges would stay jagged whatever the number of samples."""
     scene.render.film_transparent = True
@@ -81,6 +89,7 @@ def test_samples_smooth_edges(scene, monkey):
     assert ((alpha > 0.1) & (alpha < 0.9)).sum() > 30
 
 
+@by_each_device
 def test_depth_and_normal_passes(scene):
     """Compositing with depth or normals would go wrong."""
     sphere = add_sphere(frosted(), 128, 64)
@@ -96,12 +105,14 @@ def test_depth_and_normal_passes(scene):
     assert np.allclose(render(scene).normal[32, 32], (0.0, -1.0, 0.0), atol=0.03)
 
 
+@by_each_device
 def test_passes_only_where_enabled(scene, monkey):
     """Files would carry passes that nobody asked for."""
     picture = next(iter(render_layers(scene).values()))
     assert picture.depth is None and picture.normal is None and picture.combined is not None
 
 
+@by_each_device
 def test_view_layers(scene):
     """Every view layer would show the same, or only one be rendered."""
     set_background(scene)
@@ -124,6 +135,7 @@ def test_view_layers(scene):
     assert pictures["R"].mask[:, 32:].any() and not pictures["R"].mask[:, :32].any()
 
 
+@by_each_device
 def test_animation(scene, tmp_path, capfd):
     """An animation would stand still, stop at a warning, or repeat it for every frame."""
     sphere = add_sphere(None)
@@ -147,6 +159,7 @@ def test_animation(scene, tmp_path, capfd):
     assert capfd.readouterr().out.count("has no material") == 1
 
 
+@by_each_device
 def test_animated_settings(scene):
     """Keyframes on material values or on Verglas' own settings would have no effect."""
     set_map(scene)
@@ -196,12 +209,14 @@ def test_warnings_reach_the_console(scene, capfd):
     assert "Warning: Light 'Lamp'" in capfd.readouterr().out
 
 
-def test_cancel():
+@pytest.mark.parametrize("device", ['OPENGL', 'CPU'])
+def test_cancel(device):
     """A long render couldn't be stopped, or stopping it would crash."""
-    script = textwrap.dedent("""
+    script = textwrap.dedent(f"""
         import addon_utils, bpy
         addon_utils.enable("verglas")
         bpy.context.scene.render.engine = 'VERGLAS'
+        bpy.context.scene.verglas.device = '{device}'
         bpy.context.scene.verglas.samples = 65536
         bpy.app.handlers.render_pre.append(lambda *_: print("begins", flush=True))
         print("result:", bpy.ops.render.render(), flush=True)

@@ -196,6 +196,7 @@ def test_relative_path(scene, tmp_path):
     assert faults.warnings() == ()
 
 
+@pytest.mark.usefixtures("device")
 def test_rotation_turns_the_picture(scene):
     """What lies left of the camera must come in front of it when the camera or the map is turned."""
     image = generated_image((0.0, 0.0, 0.0), is_float=True)
@@ -212,6 +213,7 @@ def test_rotation_turns_the_picture(scene):
     assert render(scene).rgb[24, 32].min() > 0.9
 
 
+@pytest.mark.usefixtures("device")
 def test_missing_file_is_named_and_magenta(scene, tmp_path):
     """A missing map would stop the render, or give a black picture with no word of the file."""
     path = tmp_path / "map.exr"

@@ -53,11 +53,13 @@ def show(ax: plt.Axes, pixels: np.ndarray, title: str = "") -> None:
     ax.set_title(title)
 
 
-def show_difference(ax: plt.Axes, differences: np.ndarray, mask: np.ndarray, title: str) -> None:
+def show_difference(ax: plt.Axes, differences: np.ndarray, mask: np.ndarray, title: str,
+                    with_bar: bool = True) -> None:
     """differences: (H, W), as plots.relative_difference gives them; drawn inside the mask, from blue, too
-    dark, to red, too bright, with a colour bar on the right."""
+    dark, to red, too bright. with_bar: a colour bar on the right, where the sheet has room for it."""
     shown = ax.imshow(np.ma.array(differences, mask=~mask), origin='lower', cmap="RdBu_r",
                       vmin=-DIFFERENCE_LIMIT, vmax=DIFFERENCE_LIMIT)
     ax.set_title(title)
-    bar = ax.figure.colorbar(shown, cax=ax.inset_axes([1.03, 0.0, 0.04, 1.0]), extend='both')
-    bar.outline.set_visible(False)
+    if with_bar:
+        bar = ax.figure.colorbar(shown, cax=ax.inset_axes([1.03, 0.0, 0.04, 1.0]), extend='both')
+        bar.outline.set_visible(False)

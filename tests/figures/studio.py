@@ -21,12 +21,14 @@ class Case:
     """of Blinn-Phong"""
     tir: bool
     """whether the truth follows totally reflected light inside the glass"""
+    paths: str = 'two_interface'
+    """as methods.Conditions.paths; tir doesn't matter to 'full'"""
 
     @property
     def numbers(self) -> Row:
         """What a row of numbers about it begins with."""
         return {"model": self.model.title, "environment": self.model.world.name,
-                "exponent": self.exponent, "truth_with_tir": self.tir}
+                "exponent": self.exponent, "paths": self.paths, "truth_with_tir": self.tir}
 
 
 class Studio:
@@ -46,20 +48,21 @@ class Studio:
 
     @property
     def device(self) -> str:
-        """What renders, by its driver's name."""
-        return renderer.device()
+        """What renders by OpenGL, by its driver's name."""
+        return renderer.opengl_name() or "no OpenGL"
 
     def subject(self, case: Case) -> methods.Subject:
         if case not in self._subjects:
-            conditions = methods.Conditions(self.size, self.size, self.samples, 'two_interface', case.tir)
+            conditions = methods.Conditions(self.size, self.size, self.samples, case.paths, case.tir)
             self._subjects[case] = methods.Subject(new_scene(case.model, case.exponent), conditions,
                                                    self._warn)
         return self._subjects[case]
 
     def truth(self, case: Case) -> Truth:
         if case not in self._truths:
-            reflected = "with" if case.tir else "without"
-            self.progress.step(f"path tracing the {case.model.title} {reflected} total internal reflection")
+            light = ("all light" if case.paths == 'full' else
+                     f"{'with' if case.tir else 'without'} total internal reflection")
+            self.progress.step(f"path tracing the {case.model.title}, {light}")
             self._truths[case] = Truth("reference", self.subject(case))
             self._truths[case].add(self.truth_samples, self.progress.part)
         return self._truths[case]

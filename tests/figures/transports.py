@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Figures 17 and 18: ways to cross the object, and what becomes of total internal reflection."""
 
+import numpy as np
+
 from . import layout
-from .figure import Figure
+from .figure import Figure, Row
 from .models import MODELS, about
 from .studio import Case, Studio
 
@@ -33,7 +35,7 @@ def figure_17(studio: Studio) -> Figure:
 
 def figure_18(studio: Studio) -> Figure:
     case = Case(MODELS["bunny"], EXPONENT, tir=True)
-    picture, axes = layout.sheet(1, 4)
+    picture, axes = layout.sheet(2, 4)
     rows = []
     for ax, (tir, name) in zip(axes[0], TIR_MODES.items()):
         pixels = studio.picture(case, "bundle", tir=tir)
@@ -41,9 +43,27 @@ def figure_18(studio: Studio) -> Figure:
         layout.show(ax, pixels, f"{name}: relative MSE {rows[-1]['relmse']:.4f}")
     truth = studio.truth(case)
     layout.show(axes[0, 3], truth.pixels, f"Ground truth, {truth.samples} samples")
+    rows += _all_light(studio, axes[1])
     caption = (
-        "What becomes of totally reflected light with bundle: it is lost (none), goes on along its incident "
-        "direction (incident), or is refracted as at the critical angle (clamp); and the truth, which "
-        f"follows it. Blinn-Phong exponent {EXPONENT:g} everywhere: the paper's two roughnesses wait for "
+        "Above: what becomes of totally reflected light with bundle: it is lost (none), goes on along its "
+        "incident direction (incident), or is refracted as at the critical angle (clamp); and the truth, "
+        "which follows it, without any other reflection. Below: all light, with reflections in front and "
+        "inside, by bundle, which has those in front, and traced, which follows those inside, too. "
+        f"Blinn-Phong exponent {EXPONENT:g} everywhere: the paper's two roughnesses wait for "
         "textures in the real-time renderer.")
     return Figure("18", "Total internal reflection", caption + about(case.model), picture, rows)
+
+
+def _all_light(studio: Studio, axes: np.ndarray) -> list[Row]:
+    """The bunny by bundle, by traced with one sample and with many, and its truth."""
+    case = Case(MODELS["bunny"], EXPONENT, tir=True, paths='full')
+    shown = {"Bundle": ("bundle", {}), "Traced, 1 sample": ("traced", {"samples": 1}),
+             f"Traced, {studio.samples} samples": ("traced", {})}
+    rows = []
+    for ax, (name, (method, overrides)) in zip(axes, shown.items()):
+        pixels = studio.picture(case, method, **overrides)
+        rows.append({**overrides, **studio.errors(case, method, pixels)})
+        layout.show(ax, pixels, f"{name}: relative MSE {rows[-1]['relmse']:.4f}")
+    truth = studio.truth(case)
+    layout.show(axes[3], truth.pixels, f"Ground truth, {truth.samples} samples")
+    return rows
