@@ -53,4 +53,11 @@ glm::vec2 blackman_harris_offset(glm::dvec2 u, float width) {
     return glm::vec2((2.0 * place - 1.0) * static_cast<double>(width));
 }
 
+float blackman_harris_share(float low, float high, float width) {
+    const auto below = [width](float offset) {
+        return cumulative(std::clamp(0.5 + 0.5 * offset / static_cast<double>(width), 0.0, 1.0));
+    };
+    return static_cast<float>(below(high) - below(low));
+}
+
 }  // namespace verglas

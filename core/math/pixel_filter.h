@@ -10,4 +10,7 @@ namespace verglas {
 // centre.
 glm::vec2 blackman_harris_offset(glm::dvec2 u, float width);
 
+// The share of these offsets, 0 … 1, that lies between two values, along one axis.
+float blackman_harris_share(float low, float high, float width);
+
 }  // namespace verglas

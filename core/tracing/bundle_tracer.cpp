@@ -154,11 +154,17 @@ void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {
             const std::size_t place = picture.place(beam.pixel.x, beam.pixel.y);
             if (hits[i].object >= 0)
                 meet(beam, hits[i], picture, next);
-            else if (beam.interfaces > 0 || !settings_.transparent)
-                picture.radiance[place] += looked_up(beam);
+            else
+                picture.radiance[place] += beam.interfaces > 0 ? looked_up(beam) : background(beam.ray.d);
         }
         std::swap(wave, next);
     }
+}
+
+BundleTracer::Sight BundleTracer::look(glm::vec2 place) const {
+    const Ray ray = camera_.through(place);
+    const auto hit = scene_.rays().intersect(ray.origin, ray.d);
+    return hit ? Sight{hit->object, glm::vec3(0.0F)} : Sight{-1, background(ray.d)};
 }
 
 void BundleTracer::start(const Rect& tile, Wave& wave) const {
@@ -223,7 +229,8 @@ void BundleTracer::meet(const Beam& incoming, const Hit& hit, TracedPicture& pic
     branch_off(meeting, reflected, !refracts_more, next);
 }
 
-void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const {
+void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool is_greater,
+                              Wave& next) const {
     const float weight = greatest(branch.weight);
     if (weight <= 0.0F) return;
     const Beam& beam = meeting.beam;
@@ -313,6 +320,11 @@ void BundleTracer::send(const Meeting& meeting, const Branch& branch, const Beam
     ++sent.interfaces;
     if (!branch.reflected) sent.media.cross(meeting.hit, meeting.entering);
     sent.ray.origin = next.rays.back().origin = beside(meeting.hit, sent.ray.d);
+}
+
+// What the camera sees behind everything.
+glm::vec3 BundleTracer::background(const glm::vec3& d) const {
+    return settings_.transparent ? glm::vec3(0.0F) : scene_.incoming_radiance(d, model::LOBE_MIN_SPREAD);
 }
 
 glm::vec3 BundleTracer::looked_up(const Beam& beam) const {

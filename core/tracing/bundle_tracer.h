@@ -49,6 +49,13 @@ class BundleTracer {
     // Fills a part of the picture, which must lie within its region. By many threads at once.
     void trace(const Rect& tile, TracedPicture& picture) const;
 
+    // What the camera sees through a place of the frame, in pixels from its lower left corner.
+    struct Sight {
+        int object;            // -1 where nothing is
+        glm::vec3 background;  // where nothing is
+    };
+    Sight look(glm::vec2 place) const;
+
   private:
     struct Beam;
     struct Meeting;
@@ -63,6 +70,7 @@ class BundleTracer {
     void draw(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void draw_ray(const Meeting& meeting, const Branch& branch, float share, Beam outgoing, Wave& next) const;
     void send(const Meeting& meeting, const Branch& branch, const Beam& outgoing, Wave& next) const;
+    glm::vec3 background(const glm::vec3& d) const;
     glm::vec3 looked_up(const Beam& beam) const;
     glm::vec3 cut_off(const Meeting& meeting, const Branch& branch) const;
 

@@ -7,11 +7,12 @@
 #include <algorithm>
 #include <chrono>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
 #include "core/tracing/bundle_tracer.h"
-#include "core/tracing/surface_average.h"
+#include "core/tracing/progressive_picture.h"
 #include "core/tracing/traced_scene.h"
 
 namespace verglas {
@@ -82,23 +83,28 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
     arena.execute([&] { scene_.update(scene); });
 
     const Clock::time_point begin = Clock::now();
-    TracedPicture picture(rendered_rect(settings.size, settings.region));
-    const BundleTracer tracer(scene_, settings, 0);
-    const std::vector<Rect> tiles = tiles_of(picture.rect);
-    const bool done = in_batches(
-        arena, static_cast<int>(tiles.size()), [&](int i) { tracer.trace(tiles[i], picture); },
-        [&] { return !progress || progress(0, settings.samples); });
-    if (!done) return std::nullopt;
-    arena.execute([&] { average_surfaces(picture); });
+    ProgressivePicture sum(rendered_rect(settings.size, settings.region), settings);
+    for (int sample = 0; sample < settings.samples; ++sample) {
+        const BundleTracer tracer(scene_, settings, sample);
+        TracedPicture picture(sample == 0 ? sum.first_rect() : sum.drawn_rect());
+        const std::vector<Rect> tiles = tiles_of(picture.rect);
+        const bool done = in_batches(
+            arena, static_cast<int>(tiles.size()), [&](int i) { tracer.trace(tiles[i], picture); },
+            [&] { return !progress || progress(sample, settings.samples); });
+        if (!done) return std::nullopt;
+        arena.execute([&] {
+            if (sample == 0)
+                sum.begin(std::move(picture), tracer);
+            else
+                sum.add(picture);
+        });
+    }
+    if (progress) progress(settings.samples, settings.samples);
 
     Frame frame;
-    frame.size = picture.rect.size();
-    for (std::size_t i = 0; i < picture.radiance.size(); ++i) {
-        const Surface& surface = picture.surfaces[i];
-        const bool covered = surface.object >= 0 || !settings.transparent;
-        frame.combined.emplace_back(picture.radiance[i], covered ? 1.0F : 0.0F);
-        frame.normal_depth.emplace_back(surface.normal, surface.depth);
-    }
+    frame.size = rendered_rect(settings.size, settings.region).size();
+    arena.execute([&] { frame.combined = sum.resolve(); });
+    frame.normal_depth = sum.normal_depth();
     frame.seconds = seconds_since(begin);
     frame.prepare_seconds = scene_.seconds();
     return frame;
