@@ -202,8 +202,7 @@ def test_traced_has_the_conditions(glass, monkeypatch):
     chosen = []
 
     def note(device, _, settings, progress=None):
-        chosen.append((device, settings.transport, settings.max_interfaces, settings.reflection,
-                       settings.samples))
+        chosen.append((device, settings.transport, settings.max_interfaces, settings.paths, settings.samples))
         return render_by(device, _, settings, progress)
 
     render_by = renderer.render
@@ -213,8 +212,8 @@ def test_traced_has_the_conditions(glass, monkeypatch):
     two = methods.Subject(glass, methods.Conditions(48, 36, 2, 'two_interface'), print)
     two.real_time("traced", 1, samples=4)
     two.real_time("single", 1)
-    assert chosen == [('CPU', 'PAPER', 5, True, 2), ('CPU', 'PAPER', 2, False, 4),
-                      ('OPENGL', 'SINGLE', 2, False, 2)]
+    assert chosen == [('CPU', 'PAPER', 5, 'FULL', 2), ('CPU', 'PAPER', 5, 'TWO_INTERFACE', 4),
+                      ('OPENGL', 'SINGLE', 5, 'TWO_INTERFACE', 2)]
 
 
 def test_without_denoiser(glass):
