@@ -83,6 +83,8 @@ struct BundleTracer::Beam {
     glm::vec3 weight;     // of the radiance that it brings
     glm::vec3 axis;       // of the lobe that is looked up if the ray meets nothing more
     float spread = 0.0F;  // of that lobe, without the part that the bundle's four rays stand for
+    // Outward normal of the interface that it last left through; 0 if it was reflected since.
+    glm::vec3 exit{0.0F};
     glm::ivec2 pixel;
     int number = 0;      // of the bundle's ray, from 0
     int interfaces = 0;  // crossed
@@ -309,17 +311,16 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, float 
     send(meeting, branch, outgoing, next);
 }
 
-void BundleTracer::send(const Meeting& meeting, const Branch& branch, const Beam& outgoing,
-                        Wave& next) const {
+void BundleTracer::send(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const {
+    outgoing.exit = branch.reflected ? glm::vec3(0.0F) : -meeting.n;
     if (settings_.paths == PathMode::TwoInterface && !meeting.entering) {
         meeting.radiance += looked_up(outgoing);
         return;
     }
+    ++outgoing.interfaces;
+    if (!branch.reflected) outgoing.media.cross(meeting.hit, meeting.entering);
+    outgoing.ray.origin = beside(meeting.hit, outgoing.ray.d);
     next.add(outgoing);
-    Beam& sent = next.beams.back();
-    ++sent.interfaces;
-    if (!branch.reflected) sent.media.cross(meeting.hit, meeting.entering);
-    sent.ray.origin = next.rays.back().origin = beside(meeting.hit, sent.ray.d);
 }
 
 // What the camera sees behind everything.
@@ -328,7 +329,16 @@ glm::vec3 BundleTracer::background(const glm::vec3& d) const {
 }
 
 glm::vec3 BundleTracer::looked_up(const Beam& beam) const {
-    return beam.weight * scene_.incoming_radiance(beam.axis, std::max(beam.spread, model::LOBE_MIN_SPREAD));
+    // Rounder lobes gain nothing from more than one look-up.
+    constexpr float least_excess = 0.1F;
+    const float spread = std::max(beam.spread, model::LOBE_MIN_SPREAD);
+    const model::WideLobe lobe = model::wide_lobe(beam.axis, spread, beam.exit);
+    if (glm::dot(lobe.axis, lobe.axis) < least_excess * spread)
+        return beam.weight * scene_.incoming_radiance(beam.axis, spread);
+    glm::vec3 sum(0.0F);
+    for (int i = 0; i < model::EXIT_TAPS; ++i)
+        sum += scene_.incoming_radiance(model::tap_direction(lobe, i), lobe.spread);
+    return beam.weight * sum / static_cast<float>(model::EXIT_TAPS);
 }
 
 // The light of a branch that isn't followed.

@@ -58,6 +58,11 @@ SHARED Moments no_moments() {
 // fitted to path-traced spheres and lenses of roughness 0.25 and 0.55 under three environment maps.
 const float HORIZON_ROUNDING = 80.0f;
 
+// Variance in the plane of incidence less that across it, of a lobe that leaves at cos_theta_t; per sin^2 theta_t.
+SHARED float exit_excess(float spread, float cos_theta_t) {
+    return 2.0f * spread / (1.0f + cos_theta_t * cos_theta_t + HORIZON_ROUNDING * spread);
+}
+
 // Adds a lobe that leaves through an interface with unit normal n, with a weight.
 SHARED Moments add_lobe(Moments moments, Lobe lobe, vec3 n, float weight) {
     float energy = weight * lobe.energy;
@@ -67,8 +72,7 @@ SHARED Moments add_lobe(Moments moments, Lobe lobe, vec3 n, float weight) {
     moments.second += outerProduct(vector, lobe.direction);
     float cos_theta_t = dot(n, lobe.direction);
     vec3 in_plane = n - cos_theta_t * lobe.direction;  // its length is sin theta_t
-    float cos2 = cos_theta_t * cos_theta_t + HORIZON_ROUNDING * lobe.spread;
-    moments.second += energy * 2.0f * lobe.spread / (1.0f + cos2) * outerProduct(in_plane, in_plane);
+    moments.second += energy * exit_excess(lobe.spread, cos_theta_t) * outerProduct(in_plane, in_plane);
     return moments;
 }
 
@@ -82,7 +86,19 @@ SHARED Lobe lobe_from_moments(Moments moments) {
     return lobe;
 }
 
-// The same, with the axis along which these moments are widest.
+// A lobe of the given mean variance (spread), and with so much more (excess) along one unit axis than across it. Lobes in
+// a row vary by (EXIT_TAPS^2 - 1) / 12 of their squared distance, which two standard deviations bound.
+SHARED WideLobe widened(vec3 direction, float spread, float excess, vec3 axis) {
+    const float row_variance = float(EXIT_TAPS * EXIT_TAPS - 1) / 12.0f;
+    float bounded = min(excess, spread * 4.0f * row_variance / (1.0f + 2.0f * row_variance));
+    WideLobe lobe;
+    lobe.direction = direction;
+    lobe.spread = max(spread - 0.5f * bounded, LOBE_MIN_SPREAD);
+    lobe.axis = sqrt(bounded / row_variance) * axis;
+    return lobe;
+}
+
+// The lobe with these moments, and the axis along which they are widest.
 SHARED WideLobe wide_lobe_from_moments(Moments moments) {
     Lobe mean = lobe_from_moments(moments);
     vec3 side = normalize(
@@ -94,15 +110,17 @@ SHARED WideLobe wide_lobe_from_moments(Moments moments) {
     float half_difference = 0.5f * (dot(side, along_side) - dot(up, along_up));
     float covariance = dot(up, along_side);
     float excess = 2.0f * sqrt(half_difference * half_difference + covariance * covariance);
-    // Lobes in a row vary by (EXIT_TAPS^2 - 1) / 12 of their squared distance, which two standard deviations bound.
-    const float row_variance = float(EXIT_TAPS * EXIT_TAPS - 1) / 12.0f;
-    excess = min(excess, mean.spread * 4.0f * row_variance / (1.0f + 2.0f * row_variance));
     float azimuth = excess > 0.0f ? 0.5f * atan(covariance, half_difference) : 0.0f;
-    WideLobe lobe;
-    lobe.direction = mean.direction;
-    lobe.spread = max(mean.spread - 0.5f * excess, LOBE_MIN_SPREAD);
-    lobe.axis = sqrt(excess / row_variance) * (cos(azimuth) * side + sin(azimuth) * up);
-    return lobe;
+    return widened(mean.direction, mean.spread, excess, cos(azimuth) * side + sin(azimuth) * up);
+}
+
+// A single lobe that leaves through an interface with unit normal n.
+SHARED WideLobe wide_lobe(vec3 direction, float spread, vec3 n) {
+    float cos_theta_t = dot(n, direction);
+    vec3 in_plane = n - cos_theta_t * direction;
+    float sin2_theta_t = dot(in_plane, in_plane);
+    return widened(direction, spread, exit_excess(spread, cos_theta_t) * sin2_theta_t,
+                   in_plane / sqrt(max(sin2_theta_t, 1e-12f)));
 }
 
 // Direction of lobe i of a wide lobe.
