@@ -41,17 +41,22 @@ constexpr int inner_dimensions = 6;
 constexpr int chance_dimension = 2;      // of the three of an event
 constexpr int reflection_dimension = 3;  // the reflected branch has its own
 
-// A narrower front lobe is one ray: its four would land in the same pixels of anything.
+// A narrower front lobe is one ray: more would land in the same pixels of anything.
 constexpr float least_bundle_spread = 1e-6F;
 
-// Bundles of neighbouring pixels are turned against each other, in a pattern of 2 x 2 pixels, so that their
-// average (surface_average.h) has sixteen rays.
-glm::vec2 turned(glm::vec2 azimuth, glm::ivec2 pixel) {
-    constexpr std::array<int, 4> quarter_steps = {0, 2, 3, 1};
-    const int step = quarter_steps[(pixel.x & 1) + 2 * (pixel.y & 1)];
-    const float angle = glm::half_pi<float>() * 0.25F * static_cast<float>(step);
-    const glm::vec2 turn(std::cos(angle), std::sin(angle));
-    return {azimuth.x * turn.x - azimuth.y * turn.y, azimuth.x * turn.y + azimuth.y * turn.x};
+// The first sample has two opposite rays of the bundle, whose mean vector is as exact. Those of neighbouring
+// pixels are turned against each other, in a pattern of 2 x 2 pixels, so that their average
+// (surface_average.h) has eight rays; with all four a pixel it has sixteen, the same error, and takes half as
+// long again.
+constexpr int first_rays = 2;
+
+// Azimuth of such a ray.
+glm::vec2 turned_azimuth(int ray, glm::ivec2 pixel) {
+    constexpr std::array<int, 4> steps = {0, 2, 3, 1};
+    const int step = steps[(pixel.x & 1) + 2 * (pixel.y & 1)];
+    const float angle =
+        glm::quarter_pi<float>() * static_cast<float>(step + 1) + glm::pi<float>() * static_cast<float>(ray);
+    return {std::cos(angle), std::sin(angle)};
 }
 
 float greatest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
@@ -82,7 +87,7 @@ struct BundleTracer::Beam {
     Ray ray;
     glm::vec3 weight;     // of the radiance that it brings
     glm::vec3 axis;       // of the lobe that is looked up if the ray meets nothing more
-    float spread = 0.0F;  // of that lobe, without the part that the bundle's four rays stand for
+    float spread = 0.0F;  // of that lobe, without the part that the bundle's rays stand for
     // Outward normal of the interface that it last left through; 0 if it was reflected since.
     glm::vec3 exit{0.0F};
     glm::ivec2 pixel;
@@ -258,12 +263,12 @@ void BundleTracer::follow(const Meeting& meeting, const Branch& branch, Wave& ne
     send(meeting, branch, outgoing, next);
 }
 
-// Four rays in place of the lobe.
+// Rays in place of the lobe.
 void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& next) const {
     Beam outgoing = meeting.beam;
-    outgoing.weight = branch.weight / static_cast<float>(model::BUNDLE_RAYS);
-    for (outgoing.number = 0; outgoing.number < model::BUNDLE_RAYS; ++outgoing.number) {
-        const glm::vec2 azimuth = turned(model::bundle_azimuth(outgoing.number), outgoing.pixel);
+    outgoing.weight = branch.weight / static_cast<float>(first_rays);
+    for (outgoing.number = 0; outgoing.number < first_rays; ++outgoing.number) {
+        const glm::vec2 azimuth = turned_azimuth(outgoing.number, outgoing.pixel);
         outgoing.ray.d = outgoing.axis =
             on_side(model::bundle_ray(branch.lobe, meeting.n, azimuth), meeting.side(branch));
         send(meeting, branch, outgoing, next);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Traced bundles (method: 5.5): the four rays that stand for the front lobe of a pixel are followed from
-// interface to interface, each along the mean directions of the lobes that it meets, and end in the
-// prefiltered environment. No chance is involved, so there is no noise. Further samples draw the four rays
-// and all later directions from the microfacets, and only the last lobe is still looked up.
+// Traced bundles (method: 5.5): the rays that stand for the front lobe of a pixel are followed from interface
+// to interface, each along the mean directions of the lobes that it meets, and end in the prefiltered
+// environment. No chance is involved, so there is no noise. Further samples draw four rays from the
+// microfacets of the front, and all later directions, and only the last lobe is still looked up.
 #pragma once
 
 #include <glm/glm.hpp>

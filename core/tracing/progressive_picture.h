@@ -9,32 +9,36 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "core/frame.h"
 #include "core/scene/settings.h"
 #include "core/tracing/bundle_tracer.h"
 
 namespace verglas {
 
+// Every step is taken for all parts of its rectangle before the next begins, in the order below; by many
+// threads at once for parts that don't overlap.
 class ProgressivePicture {
   public:
     // rect: the pixels wanted. Around them, first and drawn samples need margins, as far as the frame has
     // them. settings must outlive the picture.
     ProgressivePicture(const Rect& rect, const Settings& settings);
-    Rect first_rect() const;
-    Rect drawn_rect() const { return drawn_rect_; }
+    const Rect& rect() const { return rect_; }
+    const Rect& first_rect() const { return first_.rect; }
+    const Rect& drawn_rect() const { return drawn_rect_; }
 
-    // The first sample, over first_rect(), averaged over surfaces; tracer: which made it. Looks through edges
-    // of objects, which are then smooth after few samples.
-    void begin(TracedPicture first, const BundleTracer& tracer);
+    // The first sample, over first_rect(): is traced into this, and then averaged over surfaces.
+    TracedPicture& first() { return first_; }
+    void average(const Rect& tile);
 
-    // A drawn sample, over drawn_rect(), from 1 in a row.
-    void add(const TracedPicture& drawn);
+    // What drawn samples are compared with, over drawn_rect(). Looks through edges of objects, which are then
+    // smooth after few samples; tracer: of the first one.
+    void prepare(const Rect& tile, const BundleTracer& tracer);
 
-    // Of the pixels wanted, row 0 at the bottom: radiance, and coverage where the film is transparent,
-    // else 1.
-    std::vector<glm::vec4> resolve() const;
+    // Drawn sample `sample`, from 1 in a row, over drawn_rect().
+    void add(const Rect& tile, const TracedPicture& drawn, int sample);
 
-    // Of the same, through the pixels' centres; as Frame::normal_depth.
-    std::vector<glm::vec4> normal_depth() const;
+    // After all of Settings::samples, over rect(): fills a frame that has these pixels.
+    void resolve(const Rect& tile, Frame& frame) const;
 
   private:
     // What is known of a pixel of drawn_rect().
@@ -42,28 +46,35 @@ class ProgressivePicture {
         glm::vec3 base{0.0F};   // sum over looks: what the first sample shows there; or that in the mean
         float covered = 0.0F;   // the same, of coverage
         int looks = 0;          // 0: base is a mean
+        int looks_ahead = 0;    // drawn samples that base knows of from the start
         int object = -1;        // which the pixel shows, or whose edge it sees
         glm::vec3 error{0.0F};  // sum over drawn samples: what they see more than the first
         float square = 0.0F;    // sum of the squares of its mean over channels
-    };
-    // A Pixel as resolve() uses it: in units of the brightness around it.
-    struct Estimate;
 
+        glm::vec3 mean_base() const { return looks > 0 ? base / static_cast<float>(looks) : base; }
+        float mean_covered() const { return looks > 0 ? covered / static_cast<float>(looks) : covered; }
+    };
+    struct Estimate;
+    struct Estimates;
+
+    const Surface& surface(glm::ivec2 pixel) const { return first_.surfaces[first_.place(pixel.x, pixel.y)]; }
+    const glm::vec3& shown(glm::ivec2 pixel) const { return averaged_[first_.place(pixel.x, pixel.y)]; }
+    const Pixel& known(glm::ivec2 pixel) const { return pixels_[place_of(pixel)]; }
+    std::size_t place_of(glm::ivec2 pixel) const;
     glm::vec3 seen(glm::vec2 place, int object, const glm::vec3& otherwise) const;
     bool is_edge(glm::ivec2 pixel) const;
     void look_through(glm::ivec2 pixel, const BundleTracer& tracer, Pixel& result) const;
     glm::vec3 filtered(glm::ivec2 pixel) const;
-    std::vector<Estimate> estimates() const;
-    glm::vec3 corrected(glm::ivec2 pixel, const std::vector<Estimate>& estimates) const;
-    std::size_t place(glm::ivec2 pixel) const;
+    Estimate estimate(glm::ivec2 pixel) const;
+    glm::vec3 corrected(glm::ivec2 pixel, const Estimates& estimates) const;
 
     const Settings& settings_;
     Rect rect_;
     Rect drawn_rect_;
     TracedPicture first_;
-    std::vector<float> kernel_;  // of offsets -reach … reach, in whole pixels, along one axis
+    std::vector<glm::vec3> averaged_;  // radiance, in the order of first_
+    std::vector<float> kernel_;        // of offsets -reach … reach, in whole pixels, along one axis
     std::vector<Pixel> pixels_;
-    int drawn_ = 0;
 };
 
 }  // namespace verglas

@@ -52,10 +52,9 @@ void share_indices(RTCGeometry geometry, const Mesh& mesh) {
 #if RTC_VERSION_MAJOR >= 4
 using Options = RTCIntersectArguments;
 
-Options make_options(bool coherent) {
+Options make_options() {
     Options options;
     rtcInitIntersectArguments(&options);
-    if (coherent) options.flags = RTC_RAY_QUERY_FLAG_COHERENT;
     return options;
 }
 
@@ -70,20 +69,19 @@ void intersect_packet(Function function, const int* valid, RTCScene scene, Packe
 #else
 using Options = RTCIntersectContext;
 
-Options make_options(bool coherent) {
+Options make_options() {
     Options options;
     rtcInitIntersectContext(&options);
-    if (coherent) options.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     return options;
 }
 
 void intersect_one(RTCScene scene, RTCRayHit& query) {
-    Options options = make_options(false);
+    Options options = make_options();
     rtcIntersect1(scene, &options, &query);
 }
 
 void occlude_one(RTCScene scene, RTCRay& ray) {
-    Options options = make_options(false);
+    Options options = make_options();
     rtcOccluded1(scene, &options, &ray);
 }
 
@@ -169,10 +167,6 @@ bool is_traceable(const glm::mat4& matrix) {
     }
     return true;
 }
-
-// Rays of a packet whose directions are within 11 degrees of the first's are followed as one frustum; others
-// would be slowed down by that.
-constexpr float coherent_cosine = 0.98F;
 
 int native_width(RTCDevice device) {
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) != 0) return 16;
@@ -368,21 +362,17 @@ void RayScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
 
 template <int width>
 void RayScene::intersect_packets(std::span<const Ray> rays, std::span<Hit> hits) const {
-    Options separate = make_options(false);
-    Options together = make_options(true);
+    Options options = make_options();
     Packet<width> packet;
     alignas(64) int valid[width];
     for (std::size_t first = 0; first < rays.size(); first += width) {
         const int count = static_cast<int>(std::min<std::size_t>(width, rays.size() - first));
-        float cosine = 1.0F;
         for (int i = 0; i < width; ++i) {
             const Ray& ray = rays[first + std::min(i, count - 1)];
             set_lane(packet.lanes, i, ray);
             valid[i] = i < count && is_traceable(ray.origin, ray.d) ? -1 : 0;
-            cosine = std::min(cosine, glm::dot(ray.d, rays[first].d));
         }
-        intersect_packet(Packet<width>::intersect, valid, top_.get(), packet.lanes,
-                         cosine > coherent_cosine ? together : separate);
+        intersect_packet(Packet<width>::intersect, valid, top_.get(), packet.lanes, options);
         const auto& found = packet.lanes.hit;
         for (int i = 0; i < count; ++i) {
             const bool met = found.geomID[i] != RTC_INVALID_GEOMETRY_ID;

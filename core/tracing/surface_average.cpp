@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/tracing/surface_average.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace verglas {
 namespace {
@@ -27,30 +24,22 @@ float likeness(const Surface& a, const Surface& b) {
 
 }  // namespace
 
-void average_surfaces(TracedPicture& picture) {
-    const glm::ivec2 size = picture.rect.size();
-    std::vector<glm::vec3> averaged(picture.radiance.size());
-    tbb::parallel_for(0, size.y, [&](int y) {
-        for (int x = 0; x < size.x; ++x) {
-            const std::size_t place = std::size_t(y) * size.x + x;
-            averaged[place] = picture.radiance[place];
-            const Surface& surface = picture.surfaces[place];
-            if (surface.object < 0) continue;
-            glm::vec3 sum(0.0F);
-            float weights = 0.0F;
-            for (int j = std::max(y - 1, 0); j <= std::min(y + 1, size.y - 1); ++j) {
-                for (int i = std::max(x - 1, 0); i <= std::min(x + 1, size.x - 1); ++i) {
-                    const std::size_t other = std::size_t(j) * size.x + i;
-                    const float weight = (i == x ? 2.0F : 1.0F) * (j == y ? 2.0F : 1.0F) *
-                                         likeness(surface, picture.surfaces[other]);
-                    sum += weight * picture.radiance[other];
-                    weights += weight;
-                }
-            }
-            averaged[place] = sum / weights;
+glm::vec3 average_over_surface(const TracedPicture& picture, glm::ivec2 pixel) {
+    const std::size_t own = picture.place(pixel.x, pixel.y);
+    if (picture.surfaces[own].object < 0) return picture.radiance[own];
+    const Rect around = Rect{pixel - 1, pixel + 2}.intersected(picture.rect);
+    glm::vec3 sum(0.0F);
+    float weights = 0.0F;
+    for (int y = around.begin.y; y < around.end.y; ++y) {
+        for (int x = around.begin.x; x < around.end.x; ++x) {
+            const std::size_t other = picture.place(x, y);
+            const float weight = (x == pixel.x ? 2.0F : 1.0F) * (y == pixel.y ? 2.0F : 1.0F) *
+                                 likeness(picture.surfaces[own], picture.surfaces[other]);
+            sum += weight * picture.radiance[other];
+            weights += weight;
         }
-    });
-    picture.radiance = std::move(averaged);
+    }
+    return sum / weights;
 }
 
 }  // namespace verglas

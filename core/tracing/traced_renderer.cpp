@@ -25,7 +25,7 @@ double seconds_since(Clock::time_point begin) {
 }
 
 // Neighbouring rays visit the same nodes of the trees; larger tiles leave threads idle at the end.
-constexpr int tile_size = 8;
+constexpr int tile_size = 16;
 
 // Between two calls of progress.
 constexpr double batch_seconds = 0.02;
@@ -84,27 +84,32 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
 
     const Clock::time_point begin = Clock::now();
     ProgressivePicture sum(rendered_rect(settings.size, settings.region), settings);
-    for (int sample = 0; sample < settings.samples; ++sample) {
-        const BundleTracer tracer(scene_, settings, sample);
-        TracedPicture picture(sample == 0 ? sum.first_rect() : sum.drawn_rect());
-        const std::vector<Rect> tiles = tiles_of(picture.rect);
-        const bool done = in_batches(
-            arena, static_cast<int>(tiles.size()), [&](int i) { tracer.trace(tiles[i], picture); },
+    Frame frame;
+    frame.size = sum.rect().size();
+    frame.combined.resize(std::size_t(frame.size.x) * frame.size.y);
+    frame.normal_depth.resize(frame.combined.size());
+
+    int sample = 0;
+    const auto over = [&](const Rect& rect, auto work) {
+        const std::vector<Rect> tiles = tiles_of(rect);
+        return in_batches(
+            arena, static_cast<int>(tiles.size()), [&](int i) { work(tiles[i]); },
             [&] { return !progress || progress(sample, settings.samples); });
-        if (!done) return std::nullopt;
-        arena.execute([&] {
-            if (sample == 0)
-                sum.begin(std::move(picture), tracer);
-            else
-                sum.add(picture);
+    };
+    const BundleTracer first(scene_, settings, 0);
+    bool go_on = over(sum.first_rect(), [&](const Rect& tile) { first.trace(tile, sum.first()); }) &&
+                 over(sum.first_rect(), [&](const Rect& tile) { sum.average(tile); });
+    if (go_on && settings.samples > 1)
+        go_on = over(sum.drawn_rect(), [&](const Rect& tile) { sum.prepare(tile, first); });
+    for (sample = 1; go_on && sample < settings.samples; ++sample) {
+        const BundleTracer tracer(scene_, settings, sample);
+        TracedPicture picture(sum.drawn_rect());
+        go_on = over(sum.drawn_rect(), [&](const Rect& tile) {
+            tracer.trace(tile, picture);
+            sum.add(tile, picture, sample);
         });
     }
-    if (progress) progress(settings.samples, settings.samples);
-
-    Frame frame;
-    frame.size = rendered_rect(settings.size, settings.region).size();
-    arena.execute([&] { frame.combined = sum.resolve(); });
-    frame.normal_depth = sum.normal_depth();
+    if (!go_on || !over(sum.rect(), [&](const Rect& tile) { sum.resolve(tile, frame); })) return std::nullopt;
     frame.seconds = seconds_since(begin);
     frame.prepare_seconds = scene_.seconds();
     return frame;
