@@ -30,7 +30,7 @@ Rect grown(const Rect& rect, int margin, glm::ivec2 frame) {
 }
 
 // Whole pixels that sample_offset() reaches to each side.
-int filter_reach(const Settings& settings) { return static_cast<int>(settings.filter_width + 0.5F); }
+int filter_reach(const Settings& settings) { return static_cast<int>(std::round(settings.filter_width)); }
 
 template <typename Work>
 void for_each_pixel(const Rect& rect, Work work) {
