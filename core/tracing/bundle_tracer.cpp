@@ -151,7 +151,7 @@ void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {
     thread_local Wave next;
     thread_local std::vector<Hit> hits;
     wave.clear();
-    start(tile, wave);
+    start(tile, picture, wave);
     while (!wave.rays.empty()) {
         hits.resize(wave.rays.size());
         scene_.rays().intersect(wave.rays, hits);
@@ -174,11 +174,14 @@ BundleTracer::Sight BundleTracer::look(glm::vec2 place) const {
     return hit ? Sight{hit->object, glm::vec3(0.0F)} : Sight{-1, background(ray.d)};
 }
 
-void BundleTracer::start(const Rect& tile, Wave& wave) const {
+void BundleTracer::start(const Rect& tile, TracedPicture& picture, Wave& wave) const {
     Beam beam{};
     beam.weight = glm::vec3(1.0F);
     for (beam.pixel.y = tile.begin.y; beam.pixel.y < tile.end.y; ++beam.pixel.y) {
         for (beam.pixel.x = tile.begin.x; beam.pixel.x < tile.end.x; ++beam.pixel.x) {
+            const std::size_t place = picture.place(beam.pixel.x, beam.pixel.y);
+            picture.radiance[place] = glm::vec3(0.0F);
+            picture.surfaces[place] = Surface::none();
             const glm::vec2 center = glm::vec2(beam.pixel) + 0.5F;
             beam.ray = camera_.through(center + sample_offset(beam.pixel, sample_, settings_));
             beam.axis = beam.ray.d;

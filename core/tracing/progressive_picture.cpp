@@ -73,9 +73,10 @@ ProgressivePicture::ProgressivePicture(const Rect& rect, const Settings& setting
       rect_(rect),
       drawn_rect_(settings.samples > 1 ? grown(rect, window_reach, settings.size) : rect),
       first_(grown(drawn_rect_, settings.samples > 1 ? filter_reach(settings) + 2 : 1, settings.size)),
-      averaged_(first_.radiance.size()) {
+      averaged_(std::make_unique_for_overwrite<glm::vec3[]>(first_.pixels)) {
     if (settings.samples == 1) return;
-    pixels_.resize(std::size_t(drawn_rect_.size().x) * drawn_rect_.size().y);
+    pixels_ =
+        std::make_unique_for_overwrite<Pixel[]>(std::size_t(drawn_rect_.size().x) * drawn_rect_.size().y);
     const int reach = filter_reach(settings);
     for (int i = -reach; i <= reach; ++i)
         kernel_.push_back(blackman_harris_share(static_cast<float>(i) - 0.5F, static_cast<float>(i) + 0.5F,
@@ -95,7 +96,7 @@ void ProgressivePicture::average(const Rect& tile) {
 
 void ProgressivePicture::prepare(const Rect& tile, const BundleTracer& tracer) {
     for_each_pixel(tile, [&](glm::ivec2 pixel) {
-        Pixel& result = pixels_[place_of(pixel)];
+        Pixel& result = pixels_[place_of(pixel)] = {};
         result.object = surface(pixel).object;
         if (is_edge(pixel)) {
             look_through(pixel, tracer, result);

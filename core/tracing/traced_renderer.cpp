@@ -101,9 +101,9 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
                  over(sum.first_rect(), [&](const Rect& tile) { sum.average(tile); });
     if (go_on && settings.samples > 1)
         go_on = over(sum.drawn_rect(), [&](const Rect& tile) { sum.prepare(tile, first); });
+    TracedPicture picture(settings.samples > 1 ? sum.drawn_rect() : Rect{});
     for (sample = 1; go_on && sample < settings.samples; ++sample) {
         const BundleTracer tracer(scene_, settings, sample);
-        TracedPicture picture(sum.drawn_rect());
         go_on = over(sum.drawn_rect(), [&](const Rect& tile) {
             tracer.trace(tile, picture);
             sum.add(tile, picture, sample);
