@@ -31,8 +31,8 @@ def test_quick_run_writes_what_it_says(tmp_path, capfd):
     assert {row["method"] for row in results["updates"]} == {"bundle", "traced"}
     assert {row["engine"] for row in results["engines"]} == {*frames.METHODS, "reference", "cycles"}
     assert (tmp_path / "engines.png").is_file() and (tmp_path / "preparation.png").is_file()
-    numbers = [row[name] for kind in ("preparation", "engines", "refraction", "updates") for row in results[kind]
-               for name in row if name.endswith("ms")]
+    kinds = ("preparation", "engines", "refraction", "updates")
+    numbers = [row[name] for kind in kinds for row in results[kind] for name in row if name.endswith("ms")]
     numbers += [row["frame_ms"] for row in results["models"]] + list(results["ratios"].values())
     assert min(numbers) > 0.0 and np.isfinite(numbers).all()
     printed = capfd.readouterr().out
