@@ -49,8 +49,8 @@ void check(const Settings& settings) {
 }
 
 // Calls work(0) to work(count - 1) on the arena's threads, and `go_on` on this one, between its works and at
-// the end; returns false where that did, maybe before all was done. No thread waits for another, as some works
-// take a hundred times as long as others.
+// the end; returns false where that did, maybe before all was done. No thread waits for another, as some
+// works take a hundred times as long as others.
 template <typename Work, typename GoOn>
 bool do_all(tbb::task_arena& arena, int count, Work work, GoOn go_on) {
     const std::thread::id caller = std::this_thread::get_id();

@@ -195,7 +195,7 @@ TEST(TracedRenderer, AsksOftenWhetherToGoOn) {
     TracedRenderer renderer;
     renderer.render(scene, settings_of(8, 1));  // prepares the scene
     Settings settings = settings_of(1, 2);
-    settings.size = ivec2(480, 270);
+    settings.size = ivec2(320, 180);
     settings.threads = 1;
     double last = thread_seconds();
     double longest = 0.0;
