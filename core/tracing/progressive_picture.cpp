@@ -67,11 +67,12 @@ struct ProgressivePicture::Estimates {
     std::vector<Estimate> values;
 };
 
-// Pixels of drawn_rect() look for neighbours of the pixels that they see, which are averages of theirs.
+// A pixel's window holds estimates, which look at windows of their own. Pixels of drawn_rect() look for
+// neighbours of the pixels that they see, which are averages of theirs.
 ProgressivePicture::ProgressivePicture(const Rect& rect, const Settings& settings)
     : settings_(settings),
       rect_(rect),
-      drawn_rect_(settings.samples > 1 ? grown(rect, window_reach, settings.size) : rect),
+      drawn_rect_(settings.samples > 1 ? grown(rect, 2 * window_reach, settings.size) : rect),
       first_(grown(drawn_rect_, settings.samples > 1 ? filter_reach(settings) + 2 : 1, settings.size)),
       averaged_(std::make_unique_for_overwrite<glm::vec3[]>(first_.pixels)) {
     if (settings.samples == 1) return;
