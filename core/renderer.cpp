@@ -36,9 +36,9 @@ double seconds_of(Work work) {
 
 // The pictures of one size.
 struct Targets {
-    explicit Targets(glm::ivec2 frame_size)
+    Targets(glm::ivec2 frame_size, bool with_roughness)
         : size(frame_size),
-          front(size),
+          front(size, with_roughness),
           back(size),
           shaded(GL_RGBA32F, size.x, size.y, GL_NEAREST),
           sum(GL_RGBA32F, size.x, size.y, GL_NEAREST),
@@ -105,6 +105,7 @@ class Renderer::Device {
     std::unique_ptr<PyramidPass> pyramid_;
     gl::Timers timers_;
     MeshCache meshes_;
+    TextureCache textures_;
     MaterialCache materials_;
     EnvironmentCache environment_;
     std::unique_ptr<Targets> targets_;
@@ -117,11 +118,13 @@ class Renderer::Device {
 
 void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
     prepare_seconds_["meshes"] = seconds_of([&] { return meshes_.update(scene); });
-    prepare_seconds_["tables"] = seconds_of([&] { return materials_.update(scene.materials); });
+    prepare_seconds_["textures"] = seconds_of([&] { return textures_.update(scene.materials); });
+    prepare_seconds_["tables"] = seconds_of([&] { return materials_.update(scene.materials, textures_); });
     prepare_seconds_["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
-    if (!targets_ || targets_->size != settings.size) {
+    const bool with_roughness = !textures_.empty();
+    if (!targets_ || targets_->size != settings.size || targets_->front.has_roughness() != with_roughness) {
         targets_.reset();
-        targets_ = std::make_unique<Targets>(settings.size);
+        targets_ = std::make_unique<Targets>(settings.size, with_roughness);
     }
     if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();
     if (!targets_->inner && RefractionPass::needs_layers(settings)) targets_->inner.emplace(settings.size);
@@ -144,6 +147,7 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size),
                     settings.size};
     const ShadingInputs inputs{view, scene, settings, *environment_, targets_->front};
+    const Surfaces surfaces{scene.materials, materials_, textures_};
     const bool with_pyramid = RefractionPass::needs_pyramid(settings);
     const bool with_layers = RefractionPass::needs_layers(settings);
     geometry_.clear(targets_->front, Faces::NearestFront, {glm::ivec2(0), settings.size});
@@ -155,16 +159,17 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
             // The pyramid's coarse levels see all of the frame.
             geometry_.clear(targets_->back, Faces::FarthestBack,
                             with_pyramid ? Rect{{}, settings.size} : group.rect);
-            geometry_.draw(targets_->back, Faces::FarthestBack, view, group, number);
+            geometry_.draw(targets_->back, Faces::FarthestBack, view, group, number, surfaces);
             pass.check();
         }
         if (with_layers) {
             const gl::PassScope pass("inner layers");
             const gl::Timers::Scope timer(timers_, "inner_layers");
             geometry_.clear(targets_->inner->nearest_back, Faces::NearestBack, group.rect);
-            geometry_.draw(targets_->inner->nearest_back, Faces::NearestBack, view, group, number);
+            geometry_.draw(targets_->inner->nearest_back, Faces::NearestBack, view, group, number, surfaces);
             geometry_.clear(targets_->inner->farthest_front, Faces::FarthestFront, group.rect);
-            geometry_.draw(targets_->inner->farthest_front, Faces::FarthestFront, view, group, number);
+            geometry_.draw(targets_->inner->farthest_front, Faces::FarthestFront, view, group, number,
+                           surfaces);
             pass.check();
         }
         if (with_pyramid) {
@@ -176,7 +181,7 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
         {
             const gl::PassScope pass("front faces");
             const gl::Timers::Scope timer(timers_, "front_faces");
-            geometry_.draw(targets_->front, Faces::NearestFront, view, group, number);
+            geometry_.draw(targets_->front, Faces::NearestFront, view, group, number, surfaces);
             pass.check();
         }
         {

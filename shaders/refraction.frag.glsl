@@ -4,6 +4,7 @@
 // TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined, and LAYERS
 // where exits are searched in four layers of the geometry.
 #include "environment.glsl"
+#include "materials.glsl"
 #include "screen_space.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/microfacet.glsl"
@@ -21,13 +22,9 @@ vec4 sample_lobe_table(int table, float x, float y) {
 
 #include "lib/lobe_lookup.glsl"
 
-struct Material {
-    vec4 color_roughness;
-    vec4 reflection_ior;
-    vec4 absorption;
-    ivec4 tables;  // entering, leaving, reflection (-1: none)
-};
-layout(std430, binding = 0) readonly buffer Materials { Material materials[]; };
+#ifdef FRONT_ROUGHNESS
+uniform sampler2D front_roughness;
+#endif
 
 uniform int tir;
 uniform bool reflection;
@@ -62,12 +59,12 @@ bool has_fresnel(Material material) { return material.tables.z >= 0; }
 
 // The lobe that enters through a front face. Beyond the critical angle of an object thinner than its surroundings,
 // the front reflects all.
-Lobe entering_lobe(vec3 d, vec3 n, Material material) {
+Lobe entering_lobe(vec3 d, vec3 n, float roughness, Material material) {
     float eta = material.reflection_ior.w;
 #ifdef TRANSPORT_SPECULAR
     return specular_refraction(eta, has_fresnel(material), d, n, TIR_NONE);
 #else
-    Lobe lobe = refracted_lobe(material.tables.x, eta, material.color_roughness.w, d, n, TIR_NONE);
+    Lobe lobe = refracted_lobe(material.tables.x, eta, roughness, d, n, TIR_NONE);
 #ifdef TRANSPORT_DEPTH_MIP
     lobe.direction = specular_direction(eta, d, n, TIR_NONE);
 #endif
@@ -89,11 +86,11 @@ Lobe leaving_lobe(vec3 d, vec3 outward, float roughness, Material material) {
 #endif
 }
 
-Lobe mirrored_lobe(vec3 d, vec3 n, Material material) {
+Lobe mirrored_lobe(vec3 d, vec3 n, float roughness, Material material) {
 #ifdef TRANSPORT_SPECULAR
     return specular_reflection(material.reflection_ior.w, d, n);
 #else
-    return reflected_lobe(material.tables.z, material.reflection_ior.w, material.color_roughness.w, d, n);
+    return reflected_lobe(material.tables.z, material.reflection_ior.w, roughness, d, n);
 #endif
 }
 
@@ -176,7 +173,7 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Material behind = materials[decode_material(axis.face.w)];
     Lobe lobe = leaving_lobe(front.direction, decode_normal(axis.face.xy), behind.color_roughness.w, behind);
 #ifdef TRANSPORT_DEPTH_MIP
-    Lobe straight_front = entering_lobe(-n, n, material);
+    Lobe straight_front = entering_lobe(-n, n, material.color_roughness.w, material);
     Lobe straight_back = leaving_lobe(-n, -n, behind.color_roughness.w, behind);
     lobe.spread = depth_mip_spread(straight_front.spread, straight_back.spread, axis.t, bound);
 #endif
@@ -188,6 +185,15 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
 // Interpolated normals may face away at silhouettes; such a normal is bent until it is seen edge-on.
 vec3 toward_viewer(vec3 n, vec3 d) { return normalize(n - max(dot(n, d) + 1e-3, 0.0) * d); }
 
+// Of the front face at a pixel.
+float roughness_at(ivec2 pixel, Material material) {
+#ifdef FRONT_ROUGHNESS
+    return texelFetch(front_roughness, pixel, 0).r;
+#else
+    return material.color_roughness.w;
+#endif
+}
+
 void main() {
     vec4 face = texelFetch(front_faces, ivec2(gl_FragCoord.xy), 0);
     if (face.w < 0.0 || decode_group(face.w) != group) discard;
@@ -196,7 +202,8 @@ void main() {
     vec3 d = view_direction(origin);
     vec3 n = toward_viewer(decode_normal(face.xy), d);
 
-    Lobe front = entering_lobe(d, n, material);
+    float roughness = roughness_at(ivec2(gl_FragCoord.xy), material);
+    Lobe front = entering_lobe(d, n, roughness, material);
     vec4 behind = first_back_face(ivec2(gl_FragCoord.xy));
     vec3 sum;
     if (behind.w < 0.0) {
@@ -210,7 +217,7 @@ void main() {
     }
     sum *= material.color_roughness.rgb;
     if (reflection && has_fresnel(material)) {
-        Lobe mirror = mirrored_lobe(d, n, material);
+        Lobe mirror = mirrored_lobe(d, n, roughness, material);
         sum += mirror.energy * material.reflection_ior.rgb * incoming_radiance(mirror.direction, mirror.spread);
     }
     radiance = vec4(sum, 1.0);

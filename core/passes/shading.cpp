@@ -20,7 +20,8 @@ enum Unit : GLuint {
     depths_unit,
     shaded_unit,
     nearest_back_unit,
-    farthest_front_unit
+    farthest_front_unit,
+    front_roughness_unit
 };
 
 void begin(const gl::Framebuffer& target, const View& view, const Rect& rect) {
@@ -72,8 +73,8 @@ bool RefractionPass::needs_layers(const Settings& settings) {
     return settings.transport == Transport::Bundle && settings.intersection == Intersection::Newton;
 }
 
-const gl::Program& RefractionPass::program(const Settings& settings) {
-    const std::pair key(settings.transport, settings.intersection);
+const gl::Program& RefractionPass::program(const Settings& settings, bool front_roughness) {
+    const std::tuple key(settings.transport, settings.intersection, front_roughness);
     const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
     constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE",
@@ -82,6 +83,7 @@ const gl::Program& RefractionPass::program(const Settings& settings) {
     std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
                                         intersections[static_cast<int>(settings.intersection)]};
     if (needs_layers(settings)) defines.emplace_back("LAYERS");
+    if (front_roughness) defines.emplace_back("FRONT_ROUGHNESS");
     return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", defines))
         .first->second;
 }
@@ -89,12 +91,14 @@ const gl::Program& RefractionPass::program(const Settings& settings) {
 void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
                           const BackGeometry& back, const MaterialCache& materials, const ViewGroup& group,
                           int number) {
-    const gl::Program& shader = program(inputs.settings);
+    const gl::Program& shader = program(inputs.settings, inputs.front.has_roughness());
     shader.use();
     set_environment(shader, inputs);
     set_screen_space(shader, inputs);
     set_texture(shader, "back_faces", back_unit, back.farthest.texels());
     set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
+    if (inputs.front.has_roughness())
+        set_texture(shader, "front_roughness", front_roughness_unit, inputs.front.roughness());
     if (back.inner != nullptr) {
         set_texture(shader, "nearest_back_faces", nearest_back_unit, back.inner->nearest_back.texels());
         set_texture(shader, "farthest_front_faces", farthest_front_unit, back.inner->farthest_front.texels());

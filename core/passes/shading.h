@@ -51,9 +51,9 @@ class RefractionPass {
               const MaterialCache& materials, const ViewGroup& group, int number);
 
   private:
-    const gl::Program& program(const Settings& settings);
+    const gl::Program& program(const Settings& settings, bool front_roughness);
 
-    std::map<std::pair<Transport, Intersection>, gl::Program> programs_;
+    std::map<std::tuple<Transport, Intersection, bool>, gl::Program> programs_;
     gl::VertexArray empty_;
 };
 

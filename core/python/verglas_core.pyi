@@ -78,7 +78,7 @@ class Material:
     roughness: float
     """Blender's slider, 0 … 1; alpha = roughness^2. Default 0.5."""
     roughness_texture: Texture | None
-    """What the path tracer takes in place of `roughness`; the real-time renderer doesn't yet. Default None."""
+    """Roughnesses in place of `roughness`, by the mesh's uvs; clamped to 0 … 1. Default None."""
     ior: float
     """Index of refraction inside, relative to the outside, 1/3 … 3 (clamped). Default 1.5."""
     priority: int
@@ -201,8 +201,8 @@ class Frame:
         in which pixels come back from the GPU, 'readback'. Empty where the path tracer made the frame."""
     @property
     def prepare_seconds(self) -> dict[str, float]:
-        """Wall time before the passes: 'meshes' (upload), 'tables' (loaded or built, upload), 'environment'
-        (upload, prefiltering); 0 where nothing was new. Empty where the path tracer made the frame."""
+        """Wall time before the passes: 'meshes' and 'textures' (upload), 'tables' (loaded or built, upload),
+        'environment' (upload, prefiltering); 0 where nothing was new. Empty where the path tracer made the frame."""
 
 class Renderer:
     """Owns the GL thread and what has been uploaded. Raises Error with one sentence where EGL or
