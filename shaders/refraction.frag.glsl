@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shades the front faces of one group of objects: the front lobe, its way through the object to the back faces,
 // and the environment behind and before. One of TRANSPORT_BUNDLE, TRANSPORT_PAPER, TRANSPORT_SINGLE,
-// TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined, and LAYERS
-// where exits are searched in four layers of the geometry.
+// TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined, LAYERS where
+// exits are searched in four layers of the geometry, FRONT_ROUGHNESS where textures make roughness vary, and CLASS_LAYERS
+// (coverage.glsl) where its classes on the back count.
 #include "environment.glsl"
-#include "materials.glsl"
 #include "screen_space.glsl"
+#include "coverage.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/microfacet.glsl"
 #include "lib/lobe.glsl"
@@ -97,48 +98,103 @@ Lobe mirrored_lobe(vec3 d, vec3 n, float roughness, Material material) {
 vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorption * distance_inside); }
 
 #ifdef TRANSPORT_BUNDLE
-// Four rays at the front lobe's root-mean angle, each with its own exit (method: 5.3).
-vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
+// A ray of the bundle at its exit.
+struct LeavingRay {
+    vec3 d;
+    vec4 face;
+    vec3 weight;  // what absorption has left
+    Coverage coverage;
+};
+
+// Of the distance from the exit of the axis, which its part of the footprint measures: the kernel of a look-up in the
+// pyramid has half a texel's standard deviation, so that four of these make a footprint without gaps.
+const float FOOTPRINT_SHARE = 0.7;
+
+// The radiance that a class of roughness at the exits brings: the sum of its lobes, as moments.
+vec3 class_radiance(LeavingRay rays[BUNDLE_RAYS], int c) {
     Moments moments = no_moments();
     vec3 weighted_color = vec3(0.0);
     for (int i = 0; i < BUNDLE_RAYS; ++i) {
-        vec3 d = bundle_ray(front, n, bundle_azimuth(i));
-        Exit exit = find_exit(origin, d, axis, RAY_STEPS);
-        Material behind = materials[decode_material(exit.face.w)];
-        vec3 outward = decode_normal(exit.face.xy);
-        Lobe lobe = leaving_lobe(d, outward, behind.color_roughness.w, behind);
-        moments = add_lobe(moments, lobe, outward, front.energy / float(BUNDLE_RAYS));
-        weighted_color += lobe.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
+        float ratio = rays[i].coverage.ratios[c];
+        if (ratio <= 0.0) continue;
+        Material behind = materials[decode_material(rays[i].face.w)];
+        vec3 outward = decode_normal(rays[i].face.xy);
+        Lobe lobe = leaving_lobe(rays[i].d, outward, roughness_of_class(behind, c), behind);
+        moments = add_lobe(moments, lobe, outward, ratio / float(BUNDLE_RAYS));
+        weighted_color += ratio * lobe.energy * behind.color_roughness.rgb * rays[i].weight;
     }
+    if (moments.energy <= 0.0) return vec3(0.0);
     WideLobe lobe = wide_lobe_from_moments(moments);
     vec3 incoming = vec3(0.0);
     for (int i = 0; i < EXIT_TAPS; ++i) incoming += incoming_radiance(tap_direction(lobe, i), lobe.spread);
-    return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming / float(EXIT_TAPS);
+    return weighted_color * incoming / float(BUNDLE_RAYS * EXIT_TAPS);
+}
+
+// Four rays at the front lobe's root-mean angle, each with its own exit (method: 5.3) and its own part of the
+// footprint there (method: 7).
+vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
+    vec2 center = pixel_of(origin + axis.t * front.direction);
+    LeavingRay rays[BUNDLE_RAYS];
+    for (int i = 0; i < BUNDLE_RAYS; ++i) {
+        vec3 d = bundle_ray(front, n, bundle_azimuth(i));
+        Exit exit = find_exit(origin, d, axis, RAY_STEPS);
+        vec2 pixel = pixel_of(origin + exit.t * d);
+        Coverage coverage = coverage_about(pixel, exit.face, FOOTPRINT_SHARE * distance(pixel, center));
+        rays[i] = LeavingRay(d, exit.face, transmittance(material.absorption.rgb, exit.t), coverage);
+    }
+    vec3 sum = vec3(0.0);
+    for (int c = 0; c < CLASSES; ++c) sum += class_radiance(rays, c);
+    return front.energy * sum;
 }
 #endif
 
 #ifdef TRANSPORT_PAPER
 const int MAX_ANISOTROPY = 8;
 
-// Normals times coverage, and coverage, over a box of pixels: an anisotropic look-up in the pyramid, spelled out
-// since OpenGL 4.5 need not filter anisotropically.
-vec4 filtered_normals(vec2 low, vec2 high) {
+// A box of pixels as squares in a row: an anisotropic look-up in a pyramid, spelled out since OpenGL 4.5 need not filter
+// anisotropically.
+struct Box {
+    int taps;
+    vec2 center;
+    vec2 extent;  // along the row
+    float level;
+};
+
+Box box_between(vec2 low, vec2 high) {
     vec2 extent = max(high - low, vec2(1.0));
     bool wide = extent.x > extent.y;
     float narrow_side = max(min(extent.x, extent.y), max(extent.x, extent.y) / float(MAX_ANISOTROPY));
     int taps = int(ceil(max(extent.x, extent.y) / narrow_side));
-    float lod = log2(narrow_side);
+    return Box(taps, 0.5 * (low + high), wide ? vec2(extent.x, 0.0) : vec2(0.0, extent.y), log2(narrow_side));
+}
+
+// Pixel of a tap.
+vec2 tap_of(Box box, int i) { return box.center + ((float(i) + 0.5) / float(box.taps) - 0.5) * box.extent; }
+
+// Normals times coverage, and coverage, over a box.
+vec4 filtered_normals(Box box) {
     vec4 sum = vec4(0.0);
-    for (int i = 0; i < taps; ++i) {
-        float along = (float(i) + 0.5) / float(taps) - 0.5;
-        vec2 pixel = 0.5 * (low + high) + along * (wide ? vec2(extent.x, 0.0) : vec2(0.0, extent.y));
-        sum += textureLod(pyramid_normals, pixel / frame_size, lod);
+    for (int i = 0; i < box.taps; ++i) sum += textureLod(pyramid_normals, tap_of(box, i) / frame_size, box.level);
+    return sum / float(box.taps);
+}
+
+// Over a box about an exit.
+Coverage filtered_coverage(Box box, vec4 face) {
+#ifdef CLASS_LAYERS
+    vec4 shares[CLASS_LAYERS];
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) {
+        shares[layer] = vec4(0.0);
+        for (int i = 0; i < box.taps; ++i) shares[layer] += sample_classes(layer, tap_of(box, i), face, box.level);
     }
-    return sum / float(taps);
+    return normalized_coverage(shares, materials[decode_material(face.w)]);
+#else
+    return coverage_about(box.center, face, 1.0);
+#endif
 }
 
 // Bounding box of the exits of four rays that hold 75 % of the lobe, the normals in it as a distribution, and the
-// back lobe for both roughnesses at once (de Rousiers et al. 2012, section 4.3).
+// back lobe for both roughnesses at once (de Rousiers et al. 2012, section 4.3), for each class of the roughness of the
+// back (section 5.1).
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Lobe bounding = front;
     bounding.spread = clamp(-log(0.25) / kappa_from_spread(front.spread), LOBE_MIN_SPREAD, 1.0);  // 1 - cos theta_b
@@ -152,18 +208,24 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         low = min(low, pixel);
         high = max(high, pixel);
     }
-    vec4 normals = filtered_normals(low, high);
+    Box box = box_between(low, high);
+    vec4 normals = filtered_normals(box);
     Material behind = materials[decode_material(axis.face.w)];
     float mean_length = clamp(length(normals.xyz) / max(normals.w, 1e-6), 0.0, 1.0 - LOBE_MIN_SPREAD);
     vec3 outward = normals.w > 0.0 && mean_length > 0.0 ? normalize(normals.xyz) : decode_normal(axis.face.xy);
     float kappa_G = kappa_from_spread(1.0 - mean_length);
-    float alpha = max(alpha_from_roughness(behind.color_roughness.w), 1e-4);
-    float kappa_D = 2.0 / (alpha * alpha);
-    float kappa = kappa_G * kappa_D / (kappa_G + kappa_D);
-    float roughness = min(pow(2.0 / kappa, 0.25), 1.0);
-    Lobe lobe = leaving_lobe(front.direction, outward, roughness, behind);
-    return front.energy * lobe.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) *
-           incoming_radiance(lobe.direction, lobe.spread);
+    Coverage coverage = filtered_coverage(box, axis.face);
+    vec3 sum = vec3(0.0);
+    for (int c = 0; c < CLASSES; ++c) {
+        if (coverage.ratios[c] <= 0.0) continue;
+        float alpha = max(alpha_from_roughness(roughness_of_class(behind, c)), 1e-4);
+        float kappa_D = 2.0 / (alpha * alpha);
+        float kappa = kappa_G * kappa_D / (kappa_G + kappa_D);
+        float roughness = min(pow(2.0 / kappa, 0.25), 1.0);
+        Lobe lobe = leaving_lobe(front.direction, outward, roughness, behind);
+        sum += coverage.ratios[c] * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+    }
+    return front.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) * sum;
 }
 #endif
 
@@ -171,14 +233,23 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
 // The ray along the front lobe's axis, and the back lobe alone.
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Material behind = materials[decode_material(axis.face.w)];
-    Lobe lobe = leaving_lobe(front.direction, decode_normal(axis.face.xy), behind.color_roughness.w, behind);
+    vec3 outward = decode_normal(axis.face.xy);
+    vec2 pixel = pixel_of(origin + axis.t * front.direction);
+    // The footprint of the whole lobe, as wide as where its rays are at the axis' distance.
+    vec2 beside = pixel_of(origin + axis.t * bundle_ray(front, n, bundle_azimuth(0)));
+    Coverage coverage = coverage_about(pixel, axis.face, sqrt(2.0) * distance(pixel, beside));
+    vec3 sum = vec3(0.0);
+    for (int c = 0; c < CLASSES; ++c) {
+        if (coverage.ratios[c] <= 0.0) continue;
+        Lobe lobe = leaving_lobe(front.direction, outward, roughness_of_class(behind, c), behind);
 #ifdef TRANSPORT_DEPTH_MIP
-    Lobe straight_front = entering_lobe(-n, n, material.color_roughness.w, material);
-    Lobe straight_back = leaving_lobe(-n, -n, behind.color_roughness.w, behind);
-    lobe.spread = depth_mip_spread(straight_front.spread, straight_back.spread, axis.t, bound);
+        Lobe straight_front = entering_lobe(-n, n, material.color_roughness.w, material);
+        Lobe straight_back = leaving_lobe(-n, -n, roughness_of_class(behind, c), behind);
+        lobe.spread = depth_mip_spread(straight_front.spread, straight_back.spread, axis.t, bound);
 #endif
-    vec3 color = behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t);
-    return front.energy * lobe.energy * color * incoming_radiance(lobe.direction, lobe.spread);
+        sum += coverage.ratios[c] * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+    }
+    return front.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) * sum;
 }
 #endif
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/passes/geometry.h"
 
+#include <algorithm>
+#include <bit>
 #include <glm/gtc/type_ptr.hpp>
+#include <string>
 
 namespace verglas {
 namespace {
@@ -11,21 +14,48 @@ void scissor(const Rect& rect) {
     glScissor(rect.begin.x, rect.begin.y, rect.size().x, rect.size().y);
 }
 
+gl::Texture make_roughness(glm::ivec2 size, RoughnessData data) {
+    if (data == RoughnessData::None) return {};
+    if (data == RoughnessData::Values) return {GL_R16, size.x, size.y, GL_NEAREST};
+    const auto longer = static_cast<unsigned>(std::max(size.x, size.y));
+    return {GL_RGBA8,          size.x, size.y, GL_LINEAR, static_cast<int>(std::bit_width(longer)),
+            class_layers(data)};
+}
+
+gl::Framebuffer make_framebuffer(const gl::Texture& texels, const gl::Texture& roughness, RoughnessData data,
+                                 const gl::Texture& depth) {
+    switch (data) {
+        case RoughnessData::None:
+            return gl::Framebuffer({{texels}}, &depth);
+        case RoughnessData::Values:
+            return gl::Framebuffer({{texels}, {roughness}}, &depth);
+        case RoughnessData::Classes4:
+            return gl::Framebuffer({{texels}, {roughness, 0, 0}}, &depth);
+        case RoughnessData::Classes8:
+            return gl::Framebuffer({{texels}, {roughness, 0, 0}, {roughness, 0, 1}}, &depth);
+    }
+    return {};
+}
+
+gl::Program make_program(const std::vector<std::string>& defines) {
+    return {"geometry.vert.glsl", "geometry.frag.glsl", defines};
+}
+
 bool is_front(Faces faces) { return faces == Faces::NearestFront || faces == Faces::FarthestFront; }
 bool is_nearest(Faces faces) { return faces == Faces::NearestFront || faces == Faces::NearestBack; }
 
 }  // namespace
 
-GeometryBuffer::GeometryBuffer(glm::ivec2 size, bool with_roughness)
-    : texels_(GL_RGBA32F, size.x, size.y, GL_NEAREST),
-      roughness_(with_roughness ? gl::Texture(GL_R16, size.x, size.y, GL_NEAREST) : gl::Texture()),
+GeometryBuffer::GeometryBuffer(glm::ivec2 size, RoughnessData roughness_data)
+    : roughness_data_(roughness_data),
+      texels_(GL_RGBA32F, size.x, size.y, GL_NEAREST),
+      roughness_(make_roughness(size, roughness_data)),
       depth_(GL_DEPTH_COMPONENT32F, size.x, size.y, GL_NEAREST),
-      framebuffer_(with_roughness ? gl::Framebuffer({{texels_}, {roughness_}}, &depth_)
-                                  : gl::Framebuffer({{texels_}}, &depth_)) {}
+      framebuffer_(make_framebuffer(texels_, roughness_, roughness_data, depth_)) {}
 
 GeometryPass::GeometryPass()
-    : plain_("geometry.vert.glsl", "geometry.frag.glsl"),
-      with_roughness_("geometry.vert.glsl", "geometry.frag.glsl", {"ROUGHNESS"}) {}
+    : programs_{make_program({}), make_program({"ROUGHNESS_VALUES"}), make_program({"CLASS_LAYERS 1"}),
+                make_program({"CLASS_LAYERS 2"})} {}
 
 void GeometryPass::clear(const GeometryBuffer& buffer, Faces faces, const Rect& rect) const {
     scissor(rect);
@@ -34,6 +64,9 @@ void GeometryPass::clear(const GeometryBuffer& buffer, Faces faces, const Rect& 
     glDepthMask(GL_TRUE);
     glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_COLOR, 0, glm::value_ptr(nothing));
     glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_DEPTH, 0, &depth);
+    constexpr float not_covered[4] = {};
+    for (int layer = 0; layer < class_layers(buffer.roughness_data()); ++layer)
+        glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_COLOR, 1 + layer, not_covered);
 }
 
 void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group,
@@ -47,7 +80,7 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
     glDepthFunc(is_nearest(faces) ? GL_LESS : GL_GREATER);
     glEnable(GL_CULL_FACE);
     glCullFace(is_front(faces) ? GL_BACK : GL_FRONT);
-    const gl::Program& program = buffer.has_roughness() ? with_roughness_ : plain_;
+    const gl::Program& program = programs_[static_cast<std::size_t>(buffer.roughness_data())];
     program.use();
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, surfaces.buffer.buffer().id());
     program.set("roughness_texture", 0);

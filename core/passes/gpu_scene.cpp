@@ -2,6 +2,7 @@
 #include "core/passes/gpu_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <string>
 #include <unordered_set>
@@ -9,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/gl/debug.h"
+#include "core/material/model.h"
 
 namespace verglas {
 namespace {
@@ -72,7 +74,7 @@ GpuTexture upload(const Texture& texture) {
     glTextureSubImage2D(result.id(), 0, 0, 0, texture.width(), texture.height(), GL_RED, GL_FLOAT,
                         texture.values().data());
     glGenerateTextureMipmap(result.id());
-    return {std::move(result), RoughnessHistogram(texture)};
+    return {std::move(result), RoughnessHistogram(texture), 0, {}};
 }
 
 // As `struct Material` of shaders/materials.glsl, std430.
@@ -80,8 +82,17 @@ struct MaterialData {
     glm::vec4 color_roughness;
     glm::vec4 reflection_ior;
     glm::vec4 absorption;
+    std::array<float, model::MAX_ROUGHNESS_CLASSES> class_roughness;
     glm::ivec4 tables;
 };
+
+// Filled up with the last one.
+std::array<float, model::MAX_ROUGHNESS_CLASSES> all_classes(const std::vector<float>& classes) {
+    std::array<float, model::MAX_ROUGHNESS_CLASSES> result{};
+    result.fill(classes.back());
+    std::copy(classes.begin(), classes.end(), result.begin());
+    return result;
+}
 
 }  // namespace
 
@@ -100,7 +111,7 @@ bool MeshCache::update(const Scene& scene) {
     return changed;
 }
 
-bool TextureCache::update(const std::vector<Material>& materials) {
+bool TextureCache::update(const std::vector<Material>& materials, int most_classes) {
     const gl::PassScope scope("upload of textures");
     bool changed = false;
     std::unordered_map<std::shared_ptr<const Texture>, GpuTexture> kept;
@@ -112,6 +123,11 @@ bool TextureCache::update(const std::vector<Material>& materials) {
         changed = changed || known == textures_.end();
     }
     textures_ = std::move(kept);
+    for (auto& [texture, uploaded] : textures_) {
+        if (uploaded.most_classes == most_classes) continue;
+        uploaded.most_classes = most_classes;
+        uploaded.classes = uploaded.histogram.classes(most_classes);
+    }
     scope.check();
     return changed;
 }
@@ -126,9 +142,11 @@ bool MaterialCache::update(const std::vector<Material>& materials, const Texture
         const auto& texture = material.roughness_texture;
         const float roughness =
             texture ? textures[texture].histogram.mean() : std::clamp(material.roughness, 0.0F, 1.0F);
+        const auto classes = all_classes(texture ? textures[texture].classes : std::vector{roughness});
         data.push_back({{material.color, roughness},
                         {material.reflection_color, entering.eta},
                         {material.absorption, 0.0F},
+                        classes,
                         {entering.refraction, tables_.tables(i, 1.0F / material.ior).refraction,
                          entering.reflection, 0}});
     }

@@ -37,12 +37,15 @@ class MeshCache {
 struct GpuTexture {
     gl::Texture texture;
     RoughnessHistogram histogram;
+    int most_classes = 0;
+    std::vector<float> classes;  // of RoughnessHistogram::classes(most_classes)
 };
 
 // Textures by identity; those that no material has any more are dropped.
 class TextureCache {
   public:
-    bool update(const std::vector<Material>& materials);
+    // most_classes: of roughness, for each texture. Returns whether there were new textures.
+    bool update(const std::vector<Material>& materials, int most_classes);
     bool empty() const { return textures_.empty(); }
     const GpuTexture& operator[](const std::shared_ptr<const Texture>& texture) const {
         return textures_.at(texture);

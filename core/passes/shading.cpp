@@ -21,7 +21,9 @@ enum Unit : GLuint {
     shaded_unit,
     nearest_back_unit,
     farthest_front_unit,
-    front_roughness_unit
+    front_roughness_unit,
+    back_classes_unit,
+    nearest_back_classes_unit
 };
 
 void begin(const gl::Framebuffer& target, const View& view, const Rect& rect) {
@@ -73,8 +75,16 @@ bool RefractionPass::needs_layers(const Settings& settings) {
     return settings.transport == Transport::Bundle && settings.intersection == Intersection::Newton;
 }
 
-const gl::Program& RefractionPass::program(const Settings& settings, bool front_roughness) {
-    const std::tuple key(settings.transport, settings.intersection, front_roughness);
+RoughnessData RefractionPass::back_data(const Settings& settings) {
+    const bool has_classes =
+        settings.transport != Transport::DepthMip && settings.transport != Transport::Specular;
+    if (settings.back_roughness == BackRoughness::Simple || !has_classes) return RoughnessData::None;
+    return settings.roughness_classes > 4 ? RoughnessData::Classes8 : RoughnessData::Classes4;
+}
+
+const gl::Program& RefractionPass::program(const Settings& settings, RoughnessData front,
+                                           RoughnessData back) {
+    const std::tuple key(settings.transport, settings.intersection, front, back);
     const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
     constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE",
@@ -83,7 +93,8 @@ const gl::Program& RefractionPass::program(const Settings& settings, bool front_
     std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
                                         intersections[static_cast<int>(settings.intersection)]};
     if (needs_layers(settings)) defines.emplace_back("LAYERS");
-    if (front_roughness) defines.emplace_back("FRONT_ROUGHNESS");
+    if (front != RoughnessData::None) defines.emplace_back("FRONT_ROUGHNESS");
+    if (class_layers(back) > 0) defines.push_back("CLASS_LAYERS " + std::to_string(class_layers(back)));
     return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", defines))
         .first->second;
 }
@@ -91,13 +102,20 @@ const gl::Program& RefractionPass::program(const Settings& settings, bool front_
 void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
                           const BackGeometry& back, const MaterialCache& materials, const ViewGroup& group,
                           int number) {
-    const gl::Program& shader = program(inputs.settings, inputs.front.has_roughness());
+    const RoughnessData back_data = back.farthest.roughness_data();
+    const gl::Program& shader = program(inputs.settings, inputs.front.roughness_data(), back_data);
     shader.use();
     set_environment(shader, inputs);
     set_screen_space(shader, inputs);
     set_texture(shader, "back_faces", back_unit, back.farthest.texels());
     set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
-    if (inputs.front.has_roughness())
+    if (back_data != RoughnessData::None) {
+        set_texture(shader, "back_classes", back_classes_unit, back.farthest.roughness());
+        if (back.inner != nullptr)
+            set_texture(shader, "nearest_back_classes", nearest_back_classes_unit,
+                        back.inner->nearest_back.roughness());
+    }
+    if (inputs.front.roughness_data() != RoughnessData::None)
         set_texture(shader, "front_roughness", front_roughness_unit, inputs.front.roughness());
     if (back.inner != nullptr) {
         set_texture(shader, "nearest_back_faces", nearest_back_unit, back.inner->nearest_back.texels());

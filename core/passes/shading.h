@@ -25,7 +25,7 @@ struct ShadingInputs {
 
 // Layers between the nearest front and the farthest back faces, where an object lies before itself.
 struct InnerLayers {
-    explicit InnerLayers(glm::ivec2 size) : nearest_back(size), farthest_front(size) {}
+    InnerLayers(glm::ivec2 size, RoughnessData of_back) : nearest_back(size, of_back), farthest_front(size) {}
 
     GeometryBuffer nearest_back;
     GeometryBuffer farthest_front;
@@ -47,13 +47,15 @@ class RefractionPass {
     static bool needs_pyramid(const Settings& settings);
     // Whether they need the inner layers.
     static bool needs_layers(const Settings& settings);
+    // What back faces have to hold of roughness that varies.
+    static RoughnessData back_data(const Settings& settings);
     void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const BackGeometry& back,
               const MaterialCache& materials, const ViewGroup& group, int number);
 
   private:
-    const gl::Program& program(const Settings& settings, bool front_roughness);
+    const gl::Program& program(const Settings& settings, RoughnessData front, RoughnessData back);
 
-    std::map<std::tuple<Transport, Intersection, bool>, gl::Program> programs_;
+    std::map<std::tuple<Transport, Intersection, RoughnessData, RoughnessData>, gl::Program> programs_;
     gl::VertexArray empty_;
 };
 
