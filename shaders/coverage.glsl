@@ -64,3 +64,11 @@ Coverage coverage_about(vec2 pixel, vec4 face, float pixels) {
     return Coverage(float[1](1.0));
 #endif
 }
+
+#ifdef CLASS_LAYERS
+float mean_roughness(Coverage coverage, Material material) {
+    float mean = 0.0;
+    for (int c = 0; c < CLASSES; ++c) mean += coverage.ratios[c] * class_roughness(material, c);
+    return mean;
+}
+#endif

@@ -98,54 +98,100 @@ Lobe mirrored_lobe(vec3 d, vec3 n, float roughness, Material material) {
 vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorption * distance_inside); }
 
 #ifdef TRANSPORT_BUNDLE
-// A ray of the bundle at its exit.
-struct LeavingRay {
-    vec3 d;
-    vec4 face;
-    vec3 weight;  // what absorption has left
-    Coverage coverage;
-};
-
-// Of the distance from the exit of the axis, which its part of the footprint measures: the kernel of a look-up in the
-// pyramid has half a texel's standard deviation, so that four of these make a footprint without gaps.
+// Four rays at the front lobe's root-mean angle, each with its own exit (method: 5.3).
+#ifdef CLASS_LAYERS
+// Of the distance from the exit of the axis, which a ray's part of the footprint measures: the kernel of a look-up in
+// the pyramid has half a texel's standard deviation, so that four of these make a footprint without gaps.
 const float FOOTPRINT_SHARE = 0.7;
 
-// The radiance that a class of roughness at the exits brings: the sum of its lobes, as moments.
-vec3 class_radiance(LeavingRay rays[BUNDLE_RAYS], int c) {
-    Moments moments = no_moments();
-    vec3 weighted_color = vec3(0.0);
-    for (int i = 0; i < BUNDLE_RAYS; ++i) {
-        float ratio = rays[i].coverage.ratios[c];
-        if (ratio <= 0.0) continue;
-        Material behind = materials[decode_material(rays[i].face.w)];
-        vec3 outward = decode_normal(rays[i].face.xy);
-        Lobe lobe = leaving_lobe(rays[i].d, outward, roughness_of_class(behind, c), behind);
-        moments = add_lobe(moments, lobe, outward, ratio / float(BUNDLE_RAYS));
-        weighted_color += ratio * lobe.energy * behind.color_roughness.rgb * rays[i].weight;
+// What leaves at all exits, and by class of roughness, in the mean over rays.
+struct ClassSums {
+    float energies[CLASSES];
+    vec3 vectors[CLASSES];  // of directions, times energy
+    vec3 colors[CLASSES];   // times energy
+    float energy;
+    float table_x;  // of the lobe tables, times energy
+};
+
+ClassSums no_class_sums() {
+    ClassSums sums;
+    for (int c = 0; c < CLASSES; ++c) {
+        sums.energies[c] = 0.0;
+        sums.vectors[c] = vec3(0.0);
+        sums.colors[c] = vec3(0.0);
     }
-    if (moments.energy <= 0.0) return vec3(0.0);
-    WideLobe lobe = wide_lobe_from_moments(moments);
-    vec3 incoming = vec3(0.0);
-    for (int i = 0; i < EXIT_TAPS; ++i) incoming += incoming_radiance(tap_direction(lobe, i), lobe.spread);
-    return weighted_color * incoming / float(BUNDLE_RAYS * EXIT_TAPS);
+    sums.energy = 0.0;
+    sums.table_x = 0.0;
+    return sums;
 }
 
-// Four rays at the front lobe's root-mean angle, each with its own exit (method: 5.3) and its own part of the
-// footprint there (method: 7).
+// Adds a lobe of an interface's mean roughness, with the ratios of the classes there.
+ClassSums add_ray(ClassSums sums, Lobe lobe, float table_x, vec3 color, Coverage coverage) {
+    for (int c = 0; c < CLASSES; ++c) {
+        float energy = coverage.ratios[c] * lobe.energy / float(BUNDLE_RAYS);
+        sums.energies[c] += energy;
+        sums.vectors[c] += energy * lobe.direction;
+        sums.colors[c] += energy * color;
+    }
+    sums.energy += lobe.energy / float(BUNDLE_RAYS);
+    sums.table_x += lobe.energy / float(BUNDLE_RAYS) * table_x;
+    return sums;
+}
+
+// Each class with the spread that its lobe has in the mean of the angles of incidence.
+vec3 radiance_of(ClassSums sums, Material material) {
+    float x = sums.table_x / max(sums.energy, 1e-12);
+    vec3 sum = vec3(0.0);
+    for (int c = 0; c < CLASSES; ++c) {
+        if (sums.energies[c] <= 0.0) continue;
+        float roughness = class_roughness(material, c);
+        vec4 node = sample_lobe_table(material.tables.y, x, lobe_table_y(roughness));
+        vec3 vector = (1.0 - lobe_spread(node, roughness)) * sums.vectors[c];
+        Lobe lobe = lobe_from_moments(Moments(sums.energies[c], vector, mat3(0.0)));
+        sum += sums.colors[c] * incoming_radiance(lobe.direction, lobe.spread);
+    }
+    return sum;
+}
+
+// With the coverage ratios of each ray's own part of the footprint (method: 7). Energy and direction of a ray's lobe,
+// which change little with roughness, are those of its mean roughness.
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     vec2 center = pixel_of(origin + axis.t * front.direction);
-    LeavingRay rays[BUNDLE_RAYS];
+    ClassSums sums = no_class_sums();
     for (int i = 0; i < BUNDLE_RAYS; ++i) {
         vec3 d = bundle_ray(front, n, bundle_azimuth(i));
         Exit exit = find_exit(origin, d, axis, RAY_STEPS);
+        Material behind = materials[decode_material(exit.face.w)];
+        vec3 outward = decode_normal(exit.face.xy);
         vec2 pixel = pixel_of(origin + exit.t * d);
         Coverage coverage = coverage_about(pixel, exit.face, FOOTPRINT_SHARE * distance(pixel, center));
-        rays[i] = LeavingRay(d, exit.face, transmittance(material.absorption.rgb, exit.t), coverage);
+        Lobe lobe = leaving_lobe(d, outward, mean_roughness(coverage, behind), behind);
+        float eta = 1.0 / behind.reflection_ior.w;
+        float table_x = lobe_table_x(refracted_cosine(eta, d, -outward, tir), eta);
+        vec3 color = behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
+        sums = add_ray(sums, lobe, table_x, color, coverage);
     }
-    vec3 sum = vec3(0.0);
-    for (int c = 0; c < CLASSES; ++c) sum += class_radiance(rays, c);
-    return front.energy * sum;
+    return front.energy * radiance_of(sums, materials[decode_material(axis.face.w)]);
 }
+#else
+vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
+    Moments moments = no_moments();
+    vec3 weighted_color = vec3(0.0);
+    for (int i = 0; i < BUNDLE_RAYS; ++i) {
+        vec3 d = bundle_ray(front, n, bundle_azimuth(i));
+        Exit exit = find_exit(origin, d, axis, RAY_STEPS);
+        Material behind = materials[decode_material(exit.face.w)];
+        vec3 outward = decode_normal(exit.face.xy);
+        Lobe lobe = leaving_lobe(d, outward, behind.color_roughness.w, behind);
+        moments = add_lobe(moments, lobe, outward, front.energy / float(BUNDLE_RAYS));
+        weighted_color += lobe.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
+    }
+    WideLobe lobe = wide_lobe_from_moments(moments);
+    vec3 incoming = vec3(0.0);
+    for (int i = 0; i < EXIT_TAPS; ++i) incoming += incoming_radiance(tap_direction(lobe, i), lobe.spread);
+    return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming / float(EXIT_TAPS);
+}
+#endif
 #endif
 
 #ifdef TRANSPORT_PAPER
