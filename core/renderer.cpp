@@ -131,8 +131,7 @@ void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
     prepare_seconds_["tables"] = seconds_of([&] { return materials_.update(scene.materials, textures_); });
     prepare_seconds_["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
     const RoughnessData of_front = textures_.empty() ? RoughnessData::None : RoughnessData::Values;
-    const RoughnessData of_back =
-        textures_.empty() ? RoughnessData::None : RefractionPass::back_data(settings);
+    const RoughnessData of_back = RefractionPass::back_data(settings, textures_.most_classes());
     if (!targets_ || !targets_->fit(settings.size, of_front, of_back)) {
         targets_.reset();
         targets_ = std::make_unique<Targets>(settings.size, of_front, of_back);
@@ -158,8 +157,9 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     const glm::vec2 offset = blackman_harris_offset(r2_point(sample), settings.filter_width);
     const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size),
                     settings.size};
-    const ShadingInputs inputs{view, scene, settings, *environment_, targets_->front};
-    const Surfaces surfaces{scene.materials, materials_, textures_};
+    const ShadingInputs inputs{view,          scene,           settings,
+                               *environment_, targets_->front, textures_.most_classes()};
+    const Surfaces surfaces{scene.materials, textures_};
     const bool with_pyramid = RefractionPass::needs_pyramid(settings);
     const bool with_layers = RefractionPass::needs_layers(settings);
     const bool with_classes = class_layers(targets_->back.roughness_data()) > 0;

@@ -2,8 +2,8 @@
 // Shades the front faces of one group of objects: the front lobe, its way through the object to the back faces,
 // and the environment behind and before. One of TRANSPORT_BUNDLE, TRANSPORT_PAPER, TRANSPORT_SINGLE,
 // TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined, LAYERS where
-// exits are searched in four layers of the geometry, FRONT_ROUGHNESS where textures make roughness vary, and CLASS_LAYERS
-// (coverage.glsl) where its classes on the back count.
+// exits are searched in four layers of the geometry, FRONT_ROUGHNESS where textures make roughness vary, and CLASSES
+// and CLASS_LAYERS (coverage.glsl) where its classes on the back count.
 #include "environment.glsl"
 #include "screen_space.glsl"
 #include "coverage.glsl"
@@ -144,7 +144,7 @@ vec3 radiance_of(ClassSums sums, Material material) {
     vec3 sum = vec3(0.0);
     for (int c = 0; c < CLASSES; ++c) {
         if (sums.energies[c] <= 0.0) continue;
-        float roughness = class_roughness(material, c);
+        float roughness = material.class_roughness[c];
         vec4 node = sample_lobe_table(material.tables.y, x, lobe_table_y(roughness));
         vec3 vector = (1.0 - lobe_spread(node, roughness)) * sums.vectors[c];
         Lobe lobe = lobe_from_moments(Moments(sums.energies[c], vector, mat3(0.0)));
@@ -232,7 +232,7 @@ Coverage filtered_coverage(Box box, vec4 face) {
         shares[layer] = vec4(0.0);
         for (int i = 0; i < box.taps; ++i) shares[layer] += sample_classes(layer, tap_of(box, i), face, box.level);
     }
-    return normalized_coverage(shares, materials[decode_material(face.w)]);
+    return normalized_coverage(shares);
 #else
     return coverage_about(box.center, face, 1.0);
 #endif

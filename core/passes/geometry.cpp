@@ -69,6 +69,17 @@ void GeometryPass::clear(const GeometryBuffer& buffer, Faces faces, const Rect& 
         glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_COLOR, 1 + layer, not_covered);
 }
 
+void GeometryPass::set_roughness(const gl::Program& program, const Material& material,
+                                 const TextureCache& textures) {
+    const auto& texture = material.roughness_texture;
+    program.set("textured", texture ? 1 : 0);
+    if (texture) glBindTextureUnit(0, textures[texture].texture.id());
+    program.set("roughness_value", mean_roughness(material, textures));
+    const RoughnessClasses classes = roughness_classes(material, textures);
+    glProgramUniform1fv(program.id(), glGetUniformLocation(program.id(), "class_roughness"),
+                        static_cast<GLsizei>(classes.size()), classes.data());
+}
+
 void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group,
                         int number, const Surfaces& surfaces) const {
     glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer().id());
@@ -82,7 +93,6 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
     glCullFace(is_front(faces) ? GL_BACK : GL_FRONT);
     const gl::Program& program = programs_[static_cast<std::size_t>(buffer.roughness_data())];
     program.use();
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, surfaces.buffer.buffer().id());
     program.set("roughness_texture", 0);
     program.set("projection", view.projection);
     program.set("group", faces == Faces::NearestFront ? number : 0);
@@ -101,9 +111,8 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
         for (const MeshPart& part : item.object->mesh->parts()) {
             const int slot = std::min(part.slot, static_cast<int>(materials.size()) - 1);
             program.set("material", materials[slot]);
-            const auto& texture = surfaces.materials[materials[slot]].roughness_texture;
-            program.set("textured", texture ? 1 : 0);
-            if (texture) glBindTextureUnit(0, surfaces.textures[texture].texture.id());
+            if (buffer.roughness_data() != RoughnessData::None)
+                set_roughness(program, surfaces.materials[materials[slot]], surfaces.textures);
             // OpenGL takes the offset into the buffer as a pointer.
             const std::uintptr_t offset = std::uintptr_t{part.first} * sizeof(std::uint32_t);
             glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.count), GL_UNSIGNED_INT,

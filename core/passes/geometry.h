@@ -42,10 +42,9 @@ class GeometryBuffer {
 
 enum class Faces { NearestFront, FarthestFront, NearestBack, FarthestBack };
 
-// What the scene's materials look like, for shaders.
+// What the objects' surfaces are made of.
 struct Surfaces {
     const std::vector<Material>& materials;
-    const MaterialCache& buffer;
     const TextureCache& textures;
 };
 
@@ -61,6 +60,9 @@ class GeometryPass {
               const Surfaces& surfaces) const;
 
   private:
+    static void set_roughness(const gl::Program& program, const Material& material,
+                              const TextureCache& textures);
+
     std::array<gl::Program, 4> programs_;  // by RoughnessData
 };
 

@@ -2,7 +2,6 @@
 #include "core/passes/gpu_scene.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <string>
 #include <unordered_set>
@@ -10,7 +9,6 @@
 
 #include "core/error.h"
 #include "core/gl/debug.h"
-#include "core/material/model.h"
 
 namespace verglas {
 namespace {
@@ -82,17 +80,9 @@ struct MaterialData {
     glm::vec4 color_roughness;
     glm::vec4 reflection_ior;
     glm::vec4 absorption;
-    std::array<float, model::MAX_ROUGHNESS_CLASSES> class_roughness;
+    RoughnessClasses class_roughness;
     glm::ivec4 tables;
 };
-
-// Filled up with the last one.
-std::array<float, model::MAX_ROUGHNESS_CLASSES> all_classes(const std::vector<float>& classes) {
-    std::array<float, model::MAX_ROUGHNESS_CLASSES> result{};
-    result.fill(classes.back());
-    std::copy(classes.begin(), classes.end(), result.begin());
-    return result;
-}
 
 }  // namespace
 
@@ -132,6 +122,27 @@ bool TextureCache::update(const std::vector<Material>& materials, int most_class
     return changed;
 }
 
+int TextureCache::most_classes() const {
+    std::size_t most = 0;
+    for (const auto& [texture, uploaded] : textures_) most = std::max(most, uploaded.classes.size());
+    return static_cast<int>(most);
+}
+
+float mean_roughness(const Material& material, const TextureCache& textures) {
+    if (material.roughness_texture) return textures[material.roughness_texture].histogram.mean();
+    return std::clamp(material.roughness, 0.0F, 1.0F);
+}
+
+RoughnessClasses roughness_classes(const Material& material, const TextureCache& textures) {
+    RoughnessClasses result{};
+    result.fill(mean_roughness(material, textures));
+    if (!material.roughness_texture) return result;
+    const std::vector<float>& classes = textures[material.roughness_texture].classes;
+    result.fill(classes.back());
+    std::copy(classes.begin(), classes.end(), result.begin());
+    return result;
+}
+
 bool MaterialCache::update(const std::vector<Material>& materials, const TextureCache& textures) {
     const gl::PassScope scope("upload of materials");
     const bool changed = tables_.update(materials);
@@ -139,14 +150,10 @@ bool MaterialCache::update(const std::vector<Material>& materials, const Texture
     for (int i = 0; i < static_cast<int>(materials.size()); ++i) {
         const Material& material = materials[i];
         const InterfaceTables& entering = tables_.tables(i, material.ior);
-        const auto& texture = material.roughness_texture;
-        const float roughness =
-            texture ? textures[texture].histogram.mean() : std::clamp(material.roughness, 0.0F, 1.0F);
-        const auto classes = all_classes(texture ? textures[texture].classes : std::vector{roughness});
-        data.push_back({{material.color, roughness},
+        data.push_back({{material.color, mean_roughness(material, textures)},
                         {material.reflection_color, entering.eta},
                         {material.absorption, 0.0F},
-                        classes,
+                        roughness_classes(material, textures),
                         {entering.refraction, tables_.tables(i, 1.0F / material.ior).refraction,
                          entering.reflection, 0}});
     }

@@ -3,12 +3,14 @@
 // thread.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <unordered_map>
 #include <vector>
 
 #include "core/gl/objects.h"
+#include "core/material/model.h"
 #include "core/material/roughness_classes.h"
 #include "core/material/table_set.h"
 #include "core/passes/environment_filter.h"
@@ -47,6 +49,8 @@ class TextureCache {
     // most_classes: of roughness, for each texture. Returns whether there were new textures.
     bool update(const std::vector<Material>& materials, int most_classes);
     bool empty() const { return textures_.empty(); }
+    // The most classes that a texture has.
+    int most_classes() const;
     const GpuTexture& operator[](const std::shared_ptr<const Texture>& texture) const {
         return textures_.at(texture);
     }
@@ -54,6 +58,14 @@ class TextureCache {
   private:
     std::unordered_map<std::shared_ptr<const Texture>, GpuTexture> textures_;
 };
+
+// Of a material with a texture, its mean; 0 … 1.
+float mean_roughness(const Material& material, const TextureCache& textures);
+
+using RoughnessClasses = std::array<float, model::MAX_ROUGHNESS_CLASSES>;
+
+// Filled up with the last one.
+RoughnessClasses roughness_classes(const Material& material, const TextureCache& textures);
 
 // Materials as a storage buffer, and an array of the lobe tables that they use.
 class MaterialCache {

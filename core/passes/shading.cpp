@@ -75,16 +75,16 @@ bool RefractionPass::needs_layers(const Settings& settings) {
     return settings.transport == Transport::Bundle && settings.intersection == Intersection::Newton;
 }
 
-RoughnessData RefractionPass::back_data(const Settings& settings) {
+RoughnessData RefractionPass::back_data(const Settings& settings, int classes) {
     const bool has_classes =
         settings.transport != Transport::DepthMip && settings.transport != Transport::Specular;
-    if (settings.back_roughness == BackRoughness::Simple || !has_classes) return RoughnessData::None;
-    return settings.roughness_classes > 4 ? RoughnessData::Classes8 : RoughnessData::Classes4;
+    if (settings.back_roughness == BackRoughness::Simple || !has_classes || classes < 2)
+        return RoughnessData::None;
+    return classes > 4 ? RoughnessData::Classes8 : RoughnessData::Classes4;
 }
 
-const gl::Program& RefractionPass::program(const Settings& settings, RoughnessData front,
-                                           RoughnessData back) {
-    const std::tuple key(settings.transport, settings.intersection, front, back);
+const gl::Program& RefractionPass::program(const Settings& settings, RoughnessData front, int classes) {
+    const std::tuple key(settings.transport, settings.intersection, front, classes);
     const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
     constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE",
@@ -94,7 +94,10 @@ const gl::Program& RefractionPass::program(const Settings& settings, RoughnessDa
                                         intersections[static_cast<int>(settings.intersection)]};
     if (needs_layers(settings)) defines.emplace_back("LAYERS");
     if (front != RoughnessData::None) defines.emplace_back("FRONT_ROUGHNESS");
-    if (class_layers(back) > 0) defines.push_back("CLASS_LAYERS " + std::to_string(class_layers(back)));
+    if (classes > 0) {
+        defines.push_back("CLASSES " + std::to_string(classes));
+        defines.push_back("CLASS_LAYERS " + std::to_string(classes > 4 ? 2 : 1));
+    }
     return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", defines))
         .first->second;
 }
@@ -103,7 +106,8 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
                           const BackGeometry& back, const MaterialCache& materials, const ViewGroup& group,
                           int number) {
     const RoughnessData back_data = back.farthest.roughness_data();
-    const gl::Program& shader = program(inputs.settings, inputs.front.roughness_data(), back_data);
+    const int classes = back_data == RoughnessData::None ? 0 : inputs.classes;
+    const gl::Program& shader = program(inputs.settings, inputs.front.roughness_data(), classes);
     shader.use();
     set_environment(shader, inputs);
     set_screen_space(shader, inputs);

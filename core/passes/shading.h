@@ -21,6 +21,7 @@ struct ShadingInputs {
     const Settings& settings;
     const FilteredEnvironment& environment;
     const GeometryBuffer& front;
+    int classes;  // of roughness that varies
 };
 
 // Layers between the nearest front and the farthest back faces, where an object lies before itself.
@@ -48,14 +49,15 @@ class RefractionPass {
     // Whether they need the inner layers.
     static bool needs_layers(const Settings& settings);
     // What back faces have to hold of roughness that varies.
-    static RoughnessData back_data(const Settings& settings);
+    static RoughnessData back_data(const Settings& settings, int classes);
     void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const BackGeometry& back,
               const MaterialCache& materials, const ViewGroup& group, int number);
 
   private:
-    const gl::Program& program(const Settings& settings, RoughnessData front, RoughnessData back);
+    // classes: of the back; 0 where one roughness stands for all of it.
+    const gl::Program& program(const Settings& settings, RoughnessData front, int classes);
 
-    std::map<std::tuple<Transport, Intersection, RoughnessData, RoughnessData>, gl::Program> programs_;
+    std::map<std::tuple<Transport, Intersection, RoughnessData, int>, gl::Program> programs_;
     gl::VertexArray empty_;
 };
 

@@ -106,3 +106,63 @@ def test_painting_uploads_no_mesh(renderer):
     assert np.abs(rough.combined - smooth.combined).max() > 0.05
     again = frame(None)
     assert again.prepare_seconds["textures"] == 0 and np.array_equal(again.combined, rough.combined)
+
+
+def relative_mse(seen, expected, inside):
+    return (((seen - expected) ** 2) / (expected ** 2 + 0.01))[inside].mean()
+
+
+@pytest.mark.parametrize("transport", ["BUNDLE", "SINGLE"])
+def test_coverage_shows_the_pattern_of_the_back(renderer, transport):
+    """A user loses: what is painted on the far side of the glass, seen through it instead of blurred away."""
+    v, u = np.indices((128, 256)) / [[[128]], [[256]]]
+    spots = (u < 0.5) & (np.sin(2 * np.pi * 8 * u) * np.sin(2 * np.pi * 4 * v) > 0)  # u < 0.5: the sphere's back
+    mesh, texture = sphere(segments=128), verglas.Texture("Spots", np.where(spots, 0.75, 0.35))
+    expected = truth(mesh, texture)
+    inside = np.hypot(*(np.indices((96, 96)) - 47.5)) < 27
+    error = {back: relative_mse(picture(renderer, mesh, texture, samples=4, tir="NONE", transport=transport,
+                                        back_roughness=back), expected, inside) for back in ("SIMPLE", "COVERAGE")}
+    print(f"{transport}, relative MSE: simple {error['SIMPLE']:.5f}, coverage {error['COVERAGE']:.5f}")
+    assert error["COVERAGE"] < 0.5 * error["SIMPLE"]
+
+
+def slab(thickness=0.3):
+    """Two squares of 2 x 2 that face each other, u from left to right on both."""
+    y = 0.5 * thickness
+    corners = [[(-1, -y, -1), (1, -y, -1), (1, -y, 1), (-1, -y, 1)], [(1, y, -1), (-1, y, -1), (-1, y, 1), (1, y, 1)]]
+    uvs = [(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (0, 0), (0, 1), (1, 1)]
+    return flat_faces("Slab", corners, uvs)
+
+
+def test_gradients_stay_smooth(renderer):
+    """A user loses: soft transitions: classes of roughness that show as bands."""
+    mesh, ramp = slab(), verglas.Texture("Ramp", [np.linspace(0.05, 0.9, 256)], "EXTEND")
+    region = 28, 40, 40, 16
+    expected = truth(mesh, ramp, samples=1024, region=region).mean(0)
+    seen = picture(renderer, mesh, ramp, samples=4, tir="NONE", region=region).mean(0)
+    bends = [np.abs(np.diff(columns_of, 2, axis=0)).max() for columns_of in (seen, expected)]
+    print(f"greatest second difference of columns: coverage {bends[0]:.4f}, truth {bends[1]:.4f}")
+    assert bends[0] < 2 * bends[1]
+
+
+def test_classes_are_counted(renderer):
+    """A user loses: a plain word where the number of classes makes no sense; and more classes that are no worse."""
+    texture = verglas.Texture("Ramp", [np.linspace(0.05, 0.9, 256)])
+    for wrong in (1, 9):
+        with pytest.raises(verglas.Error, match="2 to 8 classes"):
+            picture(renderer, pane(), texture, roughness_classes=wrong)
+    four, eight = (picture(renderer, slab(), texture, roughness_classes=count) for count in (4, 8))
+    assert 0 < np.abs(four - eight).mean() < 0.05
+
+
+def test_constant_texture_is_the_constant(renderer):
+    """A user loses: a texture of one value that looks as the slider at that value."""
+    ball = sphere()
+    material = verglas.Material("Glass")
+    material.roughness = 0.4
+    plain = scene_of(("Ball", ball, np.eye(4)), material=material)
+    material.roughness_texture = verglas.Texture("Flat", np.full((2, 2), 0.4))
+    textured = scene_of(("Ball", ball, np.eye(4)), material=material)
+    for transport in ("BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP"):
+        pictures = [renderer.render(scene, settings_of(transport=transport)).combined for scene in (plain, textured)]
+        assert pictures[0] == pytest.approx(pictures[1], abs=1e-3), transport
