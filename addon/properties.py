@@ -108,6 +108,23 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
         ),
         default='CLAMP',
     )
+    back_roughness: EnumProperty(
+        name="Back Roughness",
+        description="What the back of the glass has of a texture of roughness; the front always has all of it",
+        items=(
+            ('SIMPLE', "Simple", "The texture's mean: what is painted on the back isn't seen"),
+            ('COVERAGE', "Coverage",
+             "Classes of roughness, each by the part of the back that it covers: what is painted there is seen "
+             "through the front"),
+        ),
+        default='COVERAGE',
+    )
+    roughness_classes: IntProperty(
+        name="Classes",
+        description="How many classes stand for the roughnesses of a texture, at most; those between two are "
+                    "mixed from both. More are slower",
+        default=4, min=2, max=8,
+    )
     reflection: BoolProperty(
         name="Reflection",
         description="Reflect the world in the front of the glass, where the material does",

@@ -84,6 +84,9 @@ class VERGLAS_RENDER_PT_glass(VerglasPanel, bpy.types.Panel):
             layout.prop(settings, "transport")
             layout.prop(settings, "intersection")
             layout.prop(settings, "tir")
+            layout.prop(settings, "back_roughness")
+            if settings.back_roughness == 'COVERAGE':
+                layout.prop(settings, "roughness_classes")
         if 'CPU' in in_use:
             layout.prop(settings, "max_interfaces")
         layout.prop(settings, "reflection")

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/gl/debug.h"
 #include "core/gl/timer.h"
+#include "core/material/model.h"
 #include "core/math/low_discrepancy.h"
 #include "core/math/pixel_filter.h"
 #include "core/passes/geometry.h"
@@ -36,14 +37,18 @@ double seconds_of(Work work) {
 
 // The pictures of one size.
 struct Targets {
-    explicit Targets(glm::ivec2 frame_size)
+    Targets(glm::ivec2 frame_size, RoughnessData of_front, RoughnessData of_back)
         : size(frame_size),
-          front(size),
-          back(size),
+          front(size, of_front),
+          back(size, of_back),
           shaded(GL_RGBA32F, size.x, size.y, GL_NEAREST),
           sum(GL_RGBA32F, size.x, size.y, GL_NEAREST),
           shaded_framebuffer({{shaded}}),
           sum_framebuffer({{sum}}) {}
+
+    bool fit(glm::ivec2 frame_size, RoughnessData of_front, RoughnessData of_back) const {
+        return size == frame_size && front.roughness_data() == of_front && back.roughness_data() == of_back;
+    }
 
     glm::ivec2 size;
     GeometryBuffer front;
@@ -71,6 +76,9 @@ constexpr std::size_t max_materials = 4096;
 void check(const Scene& scene, const Settings& settings) {
     if (settings.size.x < 1 || settings.size.y < 1) throw Error("A picture needs at least one pixel.");
     if (settings.samples < 1) throw Error("A picture needs at least one sample.");
+    if (settings.roughness_classes < 2 || settings.roughness_classes > model::MAX_ROUGHNESS_CLASSES)
+        throw Error("A texture of roughness has 2 to " + std::to_string(model::MAX_ROUGHNESS_CLASSES) +
+                    " classes.");
     if (region_of(settings).empty()) throw Error("The render region lies outside of the picture.");
     if (scene.materials.size() > max_materials)
         throw Error("The scene has " + std::to_string(scene.materials.size()) +
@@ -105,6 +113,7 @@ class Renderer::Device {
     std::unique_ptr<PyramidPass> pyramid_;
     gl::Timers timers_;
     MeshCache meshes_;
+    TextureCache textures_;
     MaterialCache materials_;
     EnvironmentCache environment_;
     std::unique_ptr<Targets> targets_;
@@ -117,14 +126,19 @@ class Renderer::Device {
 
 void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
     prepare_seconds_["meshes"] = seconds_of([&] { return meshes_.update(scene); });
-    prepare_seconds_["tables"] = seconds_of([&] { return materials_.update(scene.materials); });
+    prepare_seconds_["textures"] =
+        seconds_of([&] { return textures_.update(scene.materials, settings.roughness_classes); });
+    prepare_seconds_["tables"] = seconds_of([&] { return materials_.update(scene.materials, textures_); });
     prepare_seconds_["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
-    if (!targets_ || targets_->size != settings.size) {
+    const RoughnessData of_front = textures_.empty() ? RoughnessData::None : RoughnessData::Values;
+    const RoughnessData of_back = RefractionPass::back_data(settings, textures_.most_classes());
+    if (!targets_ || !targets_->fit(settings.size, of_front, of_back)) {
         targets_.reset();
-        targets_ = std::make_unique<Targets>(settings.size);
+        targets_ = std::make_unique<Targets>(settings.size, of_front, of_back);
     }
     if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();
-    if (!targets_->inner && RefractionPass::needs_layers(settings)) targets_->inner.emplace(settings.size);
+    if (!targets_->inner && RefractionPass::needs_layers(settings))
+        targets_->inner.emplace(settings.size, of_back);
     groups_ = group_objects(scene, meshes_, settings.size, region_of(settings));
     glDisable(GL_SCISSOR_TEST);
     constexpr float black[4] = {};
@@ -143,28 +157,41 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     const glm::vec2 offset = blackman_harris_offset(r2_point(sample), settings.filter_width);
     const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size),
                     settings.size};
-    const ShadingInputs inputs{view, scene, settings, *environment_, targets_->front};
+    const ShadingInputs inputs{view,          scene,           settings,
+                               *environment_, targets_->front, textures_.most_classes()};
+    const Surfaces surfaces{scene.materials, textures_};
     const bool with_pyramid = RefractionPass::needs_pyramid(settings);
     const bool with_layers = RefractionPass::needs_layers(settings);
+    const bool with_classes = class_layers(targets_->back.roughness_data()) > 0;
+    // Coarse levels see all of the frame.
+    const auto back_rect = [&](const ViewGroup& group) {
+        return with_pyramid || with_classes ? Rect{{}, settings.size} : group.rect;
+    };
     geometry_.clear(targets_->front, Faces::NearestFront, {glm::ivec2(0), settings.size});
     for (int number = 0; number < static_cast<int>(groups_.size()); ++number) {
         const ViewGroup& group = groups_[number];
         {
             const gl::PassScope pass("back faces");
             const gl::Timers::Scope timer(timers_, "back_faces");
-            // The pyramid's coarse levels see all of the frame.
-            geometry_.clear(targets_->back, Faces::FarthestBack,
-                            with_pyramid ? Rect{{}, settings.size} : group.rect);
-            geometry_.draw(targets_->back, Faces::FarthestBack, view, group, number);
+            geometry_.clear(targets_->back, Faces::FarthestBack, back_rect(group));
+            geometry_.draw(targets_->back, Faces::FarthestBack, view, group, number, surfaces);
             pass.check();
         }
         if (with_layers) {
             const gl::PassScope pass("inner layers");
             const gl::Timers::Scope timer(timers_, "inner_layers");
-            geometry_.clear(targets_->inner->nearest_back, Faces::NearestBack, group.rect);
-            geometry_.draw(targets_->inner->nearest_back, Faces::NearestBack, view, group, number);
+            geometry_.clear(targets_->inner->nearest_back, Faces::NearestBack, back_rect(group));
+            geometry_.draw(targets_->inner->nearest_back, Faces::NearestBack, view, group, number, surfaces);
             geometry_.clear(targets_->inner->farthest_front, Faces::FarthestFront, group.rect);
-            geometry_.draw(targets_->inner->farthest_front, Faces::FarthestFront, view, group, number);
+            geometry_.draw(targets_->inner->farthest_front, Faces::FarthestFront, view, group, number,
+                           surfaces);
+            pass.check();
+        }
+        if (with_classes) {
+            const gl::PassScope pass("coverage pyramid");
+            const gl::Timers::Scope timer(timers_, "coverage");
+            targets_->back.filter_classes();
+            if (with_layers) targets_->inner->nearest_back.filter_classes();
             pass.check();
         }
         if (with_pyramid) {
@@ -176,7 +203,7 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
         {
             const gl::PassScope pass("front faces");
             const gl::Timers::Scope timer(timers_, "front_faces");
-            geometry_.draw(targets_->front, Faces::NearestFront, view, group, number);
+            geometry_.draw(targets_->front, Faces::NearestFront, view, group, number, surfaces);
             pass.check();
         }
         {

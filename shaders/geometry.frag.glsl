@@ -1,13 +1,56 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Front or back faces into a geometry buffer.
+// Front or back faces into a geometry buffer. Where it holds roughness, ROUGHNESS_VALUES is defined, or CLASS_LAYERS
+// as the number of layers that hold four classes each.
 #include "geometry_buffer.glsl"
+#include "lib/constants.glsl"
+#include "lib/microfacet.glsl"
+#include "lib/coverage.glsl"
 
 in vec3 view_position;
 in vec3 view_normal;
+in vec2 uv;
 
 uniform int group;
 uniform int material;
+uniform float roughness_value;  // where there is no texture
+uniform bool textured;
+uniform sampler2D roughness_texture;
+uniform float class_roughness[MAX_ROUGHNESS_CLASSES];  // ascending; the last one repeats itself
 
 layout(location = 0) out vec4 texel;
+#ifdef ROUGHNESS_VALUES
+layout(location = 1) out float roughness;
+#endif
+#ifdef CLASS_LAYERS
+layout(location = 1) out vec4 shares[CLASS_LAYERS];
+#endif
 
-void main() { texel = vec4(encode_normal(view_normal), -view_position.z, encode_index(group, material)); }
+// As roughness_at of core/tracing/crossing.h; where texels are smaller than pixels, their mean.
+float surface_roughness() {
+    return textured ? clamp(texture(roughness_texture, uv).r, 0.0, 1.0) : roughness_value;
+}
+
+#ifdef CLASS_LAYERS
+// The shares of four classes in a roughness.
+vec4 class_shares(float value, int first) {
+    vec4 shares_of_four;
+    for (int i = 0; i < 4; ++i) {
+        int c = first + i;
+        float here = c == 0 ? 1.0 : upper_class_share(value, class_roughness[max(c - 1, 0)], class_roughness[c]);
+        int next = min(c + 1, MAX_ROUGHNESS_CLASSES - 1);
+        shares_of_four[i] = here - upper_class_share(value, class_roughness[c], class_roughness[next]);
+    }
+    return shares_of_four;
+}
+#endif
+
+void main() {
+    texel = vec4(encode_normal(view_normal), -view_position.z, encode_index(group, material));
+#ifdef ROUGHNESS_VALUES
+    roughness = surface_roughness();
+#endif
+#ifdef CLASS_LAYERS
+    float value = min(surface_roughness(), class_roughness[MAX_ROUGHNESS_CLASSES - 1]);
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) shares[layer] = class_shares(value, 4 * layer);
+#endif
+}

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shades the front faces of one group of objects: the front lobe, its way through the object to the back faces,
 // and the environment behind and before. One of TRANSPORT_BUNDLE, TRANSPORT_PAPER, TRANSPORT_SINGLE,
-// TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined, and LAYERS
-// where exits are searched in four layers of the geometry.
+// TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined, LAYERS where
+// exits are searched in four layers of the geometry, FRONT_ROUGHNESS where textures make roughness vary, and CLASSES
+// and CLASS_LAYERS (coverage.glsl) where its classes on the back count.
 #include "environment.glsl"
 #include "screen_space.glsl"
 #include "lobe_tables.glsl"
+#include "coverage.glsl"
 #include "lib/bundle.glsl"
 #include "lib/specular.glsl"
 #include "lib/depth_mip.glsl"
 
-struct Material {
-    vec4 color_roughness;
-    vec4 reflection_ior;
-    vec4 absorption;
-    ivec4 tables;  // entering, leaving, reflection (-1: none)
-};
-layout(std430, binding = 0) readonly buffer Materials { Material materials[]; };
+#ifdef FRONT_ROUGHNESS
+uniform sampler2D front_roughness;
+#endif
 
 uniform int tir;
 uniform bool reflection;
@@ -51,12 +49,12 @@ bool has_fresnel(Material material) { return material.tables.z >= 0; }
 
 // The lobe that enters through a front face. Beyond the critical angle of an object thinner than its surroundings,
 // the front reflects all.
-Lobe entering_lobe(vec3 d, vec3 n, Material material) {
+Lobe entering_lobe(vec3 d, vec3 n, float roughness, Material material) {
     float eta = material.reflection_ior.w;
 #ifdef TRANSPORT_SPECULAR
     return specular_refraction(eta, has_fresnel(material), d, n, TIR_NONE);
 #else
-    Lobe lobe = refracted_lobe(material.tables.x, eta, material.color_roughness.w, d, n, TIR_NONE);
+    Lobe lobe = refracted_lobe(material.tables.x, eta, roughness, d, n, TIR_NONE);
 #ifdef TRANSPORT_DEPTH_MIP
     lobe.direction = specular_direction(eta, d, n, TIR_NONE);
 #endif
@@ -78,11 +76,11 @@ Lobe leaving_lobe(vec3 d, vec3 outward, float roughness, Material material) {
 #endif
 }
 
-Lobe mirrored_lobe(vec3 d, vec3 n, Material material) {
+Lobe mirrored_lobe(vec3 d, vec3 n, float roughness, Material material) {
 #ifdef TRANSPORT_SPECULAR
     return specular_reflection(material.reflection_ior.w, d, n);
 #else
-    return reflected_lobe(material.tables.z, material.reflection_ior.w, material.color_roughness.w, d, n);
+    return reflected_lobe(material.tables.z, material.reflection_ior.w, roughness, d, n);
 #endif
 }
 
@@ -90,6 +88,81 @@ vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorpt
 
 #ifdef TRANSPORT_BUNDLE
 // Four rays at the front lobe's root-mean angle, each with its own exit (method: 5.3).
+#ifdef CLASS_LAYERS
+// Of the distance from the exit of the axis, which a ray's part of the footprint measures: the kernel of a look-up in
+// the pyramid has half a texel's standard deviation, so that four of these make a footprint without gaps.
+const float FOOTPRINT_SHARE = 0.7;
+
+// What leaves at all exits, and by class of roughness, in the mean over rays.
+struct ClassSums {
+    float energies[CLASSES];
+    vec3 vectors[CLASSES];  // of directions, times energy
+    vec3 colors[CLASSES];   // times energy
+    float energy;
+    float table_x;  // of the lobe tables, times energy
+};
+
+ClassSums no_class_sums() {
+    ClassSums sums;
+    for (int c = 0; c < CLASSES; ++c) {
+        sums.energies[c] = 0.0;
+        sums.vectors[c] = vec3(0.0);
+        sums.colors[c] = vec3(0.0);
+    }
+    sums.energy = 0.0;
+    sums.table_x = 0.0;
+    return sums;
+}
+
+// Adds a lobe of an interface's mean roughness, with the ratios of the classes there.
+ClassSums add_ray(ClassSums sums, Lobe lobe, float table_x, vec3 color, Coverage coverage) {
+    for (int c = 0; c < CLASSES; ++c) {
+        float energy = coverage.ratios[c] * lobe.energy / float(BUNDLE_RAYS);
+        sums.energies[c] += energy;
+        sums.vectors[c] += energy * lobe.direction;
+        sums.colors[c] += energy * color;
+    }
+    sums.energy += lobe.energy / float(BUNDLE_RAYS);
+    sums.table_x += lobe.energy / float(BUNDLE_RAYS) * table_x;
+    return sums;
+}
+
+// Each class with the spread that its lobe has in the mean of the angles of incidence.
+vec3 radiance_of(ClassSums sums, Material material) {
+    float x = sums.table_x / max(sums.energy, 1e-12);
+    vec3 sum = vec3(0.0);
+    for (int c = 0; c < CLASSES; ++c) {
+        if (sums.energies[c] <= 0.0) continue;
+        float roughness = material.class_roughness[c];
+        vec4 node = sample_lobe_table(material.tables.y, x, lobe_table_y(roughness));
+        vec3 vector = (1.0 - lobe_spread(node, roughness)) * sums.vectors[c];
+        Lobe lobe = lobe_from_moments(Moments(sums.energies[c], vector, mat3(0.0)));
+        sum += sums.colors[c] * incoming_radiance(lobe.direction, lobe.spread);
+    }
+    return sum;
+}
+
+// With the coverage ratios of each ray's own part of the footprint (method: 7). Energy and direction of a ray's lobe,
+// which change little with roughness, are those of its mean roughness.
+vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
+    vec2 center = pixel_of(origin + axis.t * front.direction);
+    ClassSums sums = no_class_sums();
+    for (int i = 0; i < BUNDLE_RAYS; ++i) {
+        vec3 d = bundle_ray(front, n, bundle_azimuth(i));
+        Exit exit = find_exit(origin, d, axis, RAY_STEPS);
+        Material behind = materials[decode_material(exit.face.w)];
+        vec3 outward = decode_normal(exit.face.xy);
+        vec2 pixel = pixel_of(origin + exit.t * d);
+        Coverage coverage = coverage_about(pixel, exit.face, FOOTPRINT_SHARE * distance(pixel, center));
+        Lobe lobe = leaving_lobe(d, outward, mean_roughness(coverage, behind), behind);
+        float eta = 1.0 / behind.reflection_ior.w;
+        float table_x = lobe_table_x(refracted_cosine(eta, d, -outward, tir), eta);
+        vec3 color = behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
+        sums = add_ray(sums, lobe, table_x, color, coverage);
+    }
+    return front.energy * radiance_of(sums, materials[decode_material(axis.face.w)]);
+}
+#else
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Moments moments = no_moments();
     vec3 weighted_color = vec3(0.0);
@@ -108,29 +181,55 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming / float(EXIT_TAPS);
 }
 #endif
+#endif
 
 #ifdef TRANSPORT_PAPER
 const int MAX_ANISOTROPY = 8;
 
-// Normals times coverage, and coverage, over a box of pixels: an anisotropic look-up in the pyramid, spelled out
-// since OpenGL 4.5 need not filter anisotropically.
-vec4 filtered_normals(vec2 low, vec2 high) {
+// A box of pixels as squares in a row: an anisotropic look-up in a pyramid, spelled out since OpenGL 4.5 need not filter
+// anisotropically.
+struct Box {
+    int taps;
+    vec2 center;
+    vec2 extent;  // along the row
+    float level;
+};
+
+Box box_between(vec2 low, vec2 high) {
     vec2 extent = max(high - low, vec2(1.0));
     bool wide = extent.x > extent.y;
     float narrow_side = max(min(extent.x, extent.y), max(extent.x, extent.y) / float(MAX_ANISOTROPY));
     int taps = int(ceil(max(extent.x, extent.y) / narrow_side));
-    float lod = log2(narrow_side);
+    return Box(taps, 0.5 * (low + high), wide ? vec2(extent.x, 0.0) : vec2(0.0, extent.y), log2(narrow_side));
+}
+
+// Pixel of a tap.
+vec2 tap_of(Box box, int i) { return box.center + ((float(i) + 0.5) / float(box.taps) - 0.5) * box.extent; }
+
+// Normals times coverage, and coverage, over a box.
+vec4 filtered_normals(Box box) {
     vec4 sum = vec4(0.0);
-    for (int i = 0; i < taps; ++i) {
-        float along = (float(i) + 0.5) / float(taps) - 0.5;
-        vec2 pixel = 0.5 * (low + high) + along * (wide ? vec2(extent.x, 0.0) : vec2(0.0, extent.y));
-        sum += textureLod(pyramid_normals, pixel / frame_size, lod);
+    for (int i = 0; i < box.taps; ++i) sum += textureLod(pyramid_normals, tap_of(box, i) / frame_size, box.level);
+    return sum / float(box.taps);
+}
+
+// Over a box about an exit.
+Coverage filtered_coverage(Box box, vec4 face) {
+#ifdef CLASS_LAYERS
+    vec4 shares[CLASS_LAYERS];
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) {
+        shares[layer] = vec4(0.0);
+        for (int i = 0; i < box.taps; ++i) shares[layer] += sample_classes(layer, tap_of(box, i), face, box.level);
     }
-    return sum / float(taps);
+    return normalized_coverage(shares);
+#else
+    return coverage_about(box.center, face, 1.0);
+#endif
 }
 
 // Bounding box of the exits of four rays that hold 75 % of the lobe, the normals in it as a distribution, and the
-// back lobe for both roughnesses at once (de Rousiers et al. 2012, section 4.3).
+// back lobe for both roughnesses at once (de Rousiers et al. 2012, section 4.3), for each class of the roughness of the
+// back (section 5.1).
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Lobe bounding = front;
     bounding.spread = clamp(-log(0.25) / kappa_from_spread(front.spread), LOBE_MIN_SPREAD, 1.0);  // 1 - cos theta_b
@@ -144,18 +243,24 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         low = min(low, pixel);
         high = max(high, pixel);
     }
-    vec4 normals = filtered_normals(low, high);
+    Box box = box_between(low, high);
+    vec4 normals = filtered_normals(box);
     Material behind = materials[decode_material(axis.face.w)];
     float mean_length = clamp(length(normals.xyz) / max(normals.w, 1e-6), 0.0, 1.0 - LOBE_MIN_SPREAD);
     vec3 outward = normals.w > 0.0 && mean_length > 0.0 ? normalize(normals.xyz) : decode_normal(axis.face.xy);
     float kappa_G = kappa_from_spread(1.0 - mean_length);
-    float alpha = max(alpha_from_roughness(behind.color_roughness.w), 1e-4);
-    float kappa_D = 2.0 / (alpha * alpha);
-    float kappa = kappa_G * kappa_D / (kappa_G + kappa_D);
-    float roughness = min(pow(2.0 / kappa, 0.25), 1.0);
-    Lobe lobe = leaving_lobe(front.direction, outward, roughness, behind);
-    return front.energy * lobe.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) *
-           incoming_radiance(lobe.direction, lobe.spread);
+    Coverage coverage = filtered_coverage(box, axis.face);
+    vec3 sum = vec3(0.0);
+    for (int c = 0; c < CLASSES; ++c) {
+        if (coverage.ratios[c] <= 0.0) continue;
+        float alpha = max(alpha_from_roughness(roughness_of_class(behind, c)), 1e-4);
+        float kappa_D = 2.0 / (alpha * alpha);
+        float kappa = kappa_G * kappa_D / (kappa_G + kappa_D);
+        float roughness = min(pow(2.0 / kappa, 0.25), 1.0);
+        Lobe lobe = leaving_lobe(front.direction, outward, roughness, behind);
+        sum += coverage.ratios[c] * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+    }
+    return front.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) * sum;
 }
 #endif
 
@@ -163,19 +268,37 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
 // The ray along the front lobe's axis, and the back lobe alone.
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Material behind = materials[decode_material(axis.face.w)];
-    Lobe lobe = leaving_lobe(front.direction, decode_normal(axis.face.xy), behind.color_roughness.w, behind);
+    vec3 outward = decode_normal(axis.face.xy);
+    vec2 pixel = pixel_of(origin + axis.t * front.direction);
+    // The footprint of the whole lobe, as wide as where its rays are at the axis' distance.
+    vec2 beside = pixel_of(origin + axis.t * bundle_ray(front, n, bundle_azimuth(0)));
+    Coverage coverage = coverage_about(pixel, axis.face, sqrt(2.0) * distance(pixel, beside));
+    vec3 sum = vec3(0.0);
+    for (int c = 0; c < CLASSES; ++c) {
+        if (coverage.ratios[c] <= 0.0) continue;
+        Lobe lobe = leaving_lobe(front.direction, outward, roughness_of_class(behind, c), behind);
 #ifdef TRANSPORT_DEPTH_MIP
-    Lobe straight_front = entering_lobe(-n, n, material);
-    Lobe straight_back = leaving_lobe(-n, -n, behind.color_roughness.w, behind);
-    lobe.spread = depth_mip_spread(straight_front.spread, straight_back.spread, axis.t, bound);
+        Lobe straight_front = entering_lobe(-n, n, material.color_roughness.w, material);
+        Lobe straight_back = leaving_lobe(-n, -n, roughness_of_class(behind, c), behind);
+        lobe.spread = depth_mip_spread(straight_front.spread, straight_back.spread, axis.t, bound);
 #endif
-    vec3 color = behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t);
-    return front.energy * lobe.energy * color * incoming_radiance(lobe.direction, lobe.spread);
+        sum += coverage.ratios[c] * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+    }
+    return front.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) * sum;
 }
 #endif
 
 // Interpolated normals may face away at silhouettes; such a normal is bent until it is seen edge-on.
 vec3 toward_viewer(vec3 n, vec3 d) { return normalize(n - max(dot(n, d) + 1e-3, 0.0) * d); }
+
+// Of the front face at a pixel.
+float roughness_at(ivec2 pixel, Material material) {
+#ifdef FRONT_ROUGHNESS
+    return texelFetch(front_roughness, pixel, 0).r;
+#else
+    return material.color_roughness.w;
+#endif
+}
 
 void main() {
     vec4 face = texelFetch(front_faces, ivec2(gl_FragCoord.xy), 0);
@@ -185,7 +308,8 @@ void main() {
     vec3 d = view_direction(origin);
     vec3 n = toward_viewer(decode_normal(face.xy), d);
 
-    Lobe front = entering_lobe(d, n, material);
+    float roughness = roughness_at(ivec2(gl_FragCoord.xy), material);
+    Lobe front = entering_lobe(d, n, roughness, material);
     vec4 behind = first_back_face(ivec2(gl_FragCoord.xy));
     vec3 sum;
     if (behind.w < 0.0) {
@@ -199,7 +323,7 @@ void main() {
     }
     sum *= material.color_roughness.rgb;
     if (reflection && has_fresnel(material)) {
-        Lobe mirror = mirrored_lobe(d, n, material);
+        Lobe mirror = mirrored_lobe(d, n, roughness, material);
         sum += mirror.energy * material.reflection_ior.rgb * incoming_radiance(mirror.direction, mirror.spread);
     }
     radiance = vec4(sum, 1.0);

@@ -50,6 +50,8 @@ def viewport(scene: bpy.types.Scene, width: int, height: int) -> core.Settings:
     settings.transport = scene.verglas.transport
     settings.intersection = scene.verglas.intersection
     settings.tir = scene.verglas.tir
+    settings.back_roughness = scene.verglas.back_roughness
+    settings.roughness_classes = scene.verglas.roughness_classes
     settings.reflection = scene.verglas.reflection
     settings.max_interfaces = scene.verglas.max_interfaces
     settings.threads = threads(scene.render)

@@ -63,7 +63,10 @@ Framebuffer::Framebuffer(std::initializer_list<Attachment> colors, const Texture
     std::vector<GLenum> draw_buffers;
     for (const Attachment& color : colors) {
         const GLenum attachment = GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(draw_buffers.size());
-        glNamedFramebufferTexture(id(), attachment, color.texture.id(), color.level);
+        if (color.layer >= 0)
+            glNamedFramebufferTextureLayer(id(), attachment, color.texture.id(), color.level, color.layer);
+        else
+            glNamedFramebufferTexture(id(), attachment, color.texture.id(), color.level);
         draw_buffers.push_back(attachment);
     }
     glNamedFramebufferDrawBuffers(id(), static_cast<GLsizei>(draw_buffers.size()), draw_buffers.data());

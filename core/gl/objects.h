@@ -74,6 +74,7 @@ class Framebuffer : public Handle<delete_framebuffer> {
     struct Attachment {
         const Texture& texture;
         int level = 0;
+        int layer = -1;  // of an array
     };
     Framebuffer() = default;
     explicit Framebuffer(std::initializer_list<Attachment> colors, const Texture* depth = nullptr);

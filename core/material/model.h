@@ -11,6 +11,7 @@ namespace verglas::model {
 #include "shaders/lib/constants.glsl"
 #include "shaders/lib/fresnel.glsl"
 #include "shaders/lib/microfacet.glsl"
+#include "shaders/lib/coverage.glsl"
 #include "shaders/lib/spherical_gaussian.glsl"
 #include "shaders/lib/lobe.glsl"
 #include "shaders/lib/bundle.glsl"

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/passes/geometry.h"
 
+#include <algorithm>
+#include <bit>
 #include <glm/gtc/type_ptr.hpp>
+#include <string>
 
 namespace verglas {
 namespace {
@@ -11,17 +14,48 @@ void scissor(const Rect& rect) {
     glScissor(rect.begin.x, rect.begin.y, rect.size().x, rect.size().y);
 }
 
+gl::Texture make_roughness(glm::ivec2 size, RoughnessData data) {
+    if (data == RoughnessData::None) return {};
+    if (data == RoughnessData::Values) return {GL_R16, size.x, size.y, GL_NEAREST};
+    const auto longer = static_cast<unsigned>(std::max(size.x, size.y));
+    return {GL_RGBA8,          size.x, size.y, GL_LINEAR, static_cast<int>(std::bit_width(longer)),
+            class_layers(data)};
+}
+
+gl::Framebuffer make_framebuffer(const gl::Texture& texels, const gl::Texture& roughness, RoughnessData data,
+                                 const gl::Texture& depth) {
+    switch (data) {
+        case RoughnessData::None:
+            return gl::Framebuffer({{texels}}, &depth);
+        case RoughnessData::Values:
+            return gl::Framebuffer({{texels}, {roughness}}, &depth);
+        case RoughnessData::Classes4:
+            return gl::Framebuffer({{texels}, {roughness, 0, 0}}, &depth);
+        case RoughnessData::Classes8:
+            return gl::Framebuffer({{texels}, {roughness, 0, 0}, {roughness, 0, 1}}, &depth);
+    }
+    return {};
+}
+
+gl::Program make_program(const std::vector<std::string>& defines) {
+    return {"geometry.vert.glsl", "geometry.frag.glsl", defines};
+}
+
 bool is_front(Faces faces) { return faces == Faces::NearestFront || faces == Faces::FarthestFront; }
 bool is_nearest(Faces faces) { return faces == Faces::NearestFront || faces == Faces::NearestBack; }
 
 }  // namespace
 
-GeometryBuffer::GeometryBuffer(glm::ivec2 size)
-    : texels_(GL_RGBA32F, size.x, size.y, GL_NEAREST),
+GeometryBuffer::GeometryBuffer(glm::ivec2 size, RoughnessData roughness_data)
+    : roughness_data_(roughness_data),
+      texels_(GL_RGBA32F, size.x, size.y, GL_NEAREST),
+      roughness_(make_roughness(size, roughness_data)),
       depth_(GL_DEPTH_COMPONENT32F, size.x, size.y, GL_NEAREST),
-      framebuffer_({{texels_}}, &depth_) {}
+      framebuffer_(make_framebuffer(texels_, roughness_, roughness_data, depth_)) {}
 
-GeometryPass::GeometryPass() : program_("geometry.vert.glsl", "geometry.frag.glsl") {}
+GeometryPass::GeometryPass()
+    : programs_{make_program({}), make_program({"ROUGHNESS_VALUES"}), make_program({"CLASS_LAYERS 1"}),
+                make_program({"CLASS_LAYERS 2"})} {}
 
 void GeometryPass::clear(const GeometryBuffer& buffer, Faces faces, const Rect& rect) const {
     scissor(rect);
@@ -30,10 +64,24 @@ void GeometryPass::clear(const GeometryBuffer& buffer, Faces faces, const Rect& 
     glDepthMask(GL_TRUE);
     glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_COLOR, 0, glm::value_ptr(nothing));
     glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_DEPTH, 0, &depth);
+    constexpr float not_covered[4] = {};
+    for (int layer = 0; layer < class_layers(buffer.roughness_data()); ++layer)
+        glClearNamedFramebufferfv(buffer.framebuffer().id(), GL_COLOR, 1 + layer, not_covered);
+}
+
+void GeometryPass::set_roughness(const gl::Program& program, const Material& material,
+                                 const TextureCache& textures) {
+    const auto& texture = material.roughness_texture;
+    program.set("textured", texture ? 1 : 0);
+    if (texture) glBindTextureUnit(0, textures[texture].texture.id());
+    program.set("roughness_value", mean_roughness(material, textures));
+    const RoughnessClasses classes = roughness_classes(material, textures);
+    glProgramUniform1fv(program.id(), glGetUniformLocation(program.id(), "class_roughness"),
+                        static_cast<GLsizei>(classes.size()), classes.data());
 }
 
 void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group,
-                        int number) const {
+                        int number, const Surfaces& surfaces) const {
     glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer().id());
     glViewport(0, 0, view.size.x, view.size.y);
     scissor(group.rect);
@@ -43,24 +91,28 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
     glDepthFunc(is_nearest(faces) ? GL_LESS : GL_GREATER);
     glEnable(GL_CULL_FACE);
     glCullFace(is_front(faces) ? GL_BACK : GL_FRONT);
-    program_.use();
-    program_.set("projection", view.projection);
-    program_.set("group", faces == Faces::NearestFront ? number : 0);
+    const gl::Program& program = programs_[static_cast<std::size_t>(buffer.roughness_data())];
+    program.use();
+    program.set("roughness_texture", 0);
+    program.set("projection", view.projection);
+    program.set("group", faces == Faces::NearestFront ? number : 0);
     for (const ViewObject& item : group.objects) {
         // A mirrored object turns its triangles inside out.
         const glm::mat3 linear(item.model_to_view);
         const float handedness = glm::determinant(linear);
         glFrontFace(handedness < 0.0F ? GL_CW : GL_CCW);
-        program_.set("model_to_view", item.model_to_view);
+        program.set("model_to_view", item.model_to_view);
         // Cofactors: the inverse transpose up to scale, for flattened objects too.
         const glm::mat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                                   glm::cross(linear[0], linear[1]));
-        program_.set("normal_to_view", handedness < 0.0F ? -cofactors : cofactors);
+        program.set("normal_to_view", handedness < 0.0F ? -cofactors : cofactors);
         glBindVertexArray(item.mesh->array.id());
         const std::vector<int>& materials = item.object->materials;
         for (const MeshPart& part : item.object->mesh->parts()) {
             const int slot = std::min(part.slot, static_cast<int>(materials.size()) - 1);
-            program_.set("material", materials[slot]);
+            program.set("material", materials[slot]);
+            if (buffer.roughness_data() != RoughnessData::None)
+                set_roughness(program, surfaces.materials[materials[slot]], surfaces.textures);
             // OpenGL takes the offset into the buffer as a pointer.
             const std::uintptr_t offset = std::uintptr_t{part.first} * sizeof(std::uint32_t);
             glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.count), GL_UNSIGNED_INT,

@@ -1,26 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "core/gl/objects.h"
 #include "core/gl/program.h"
 #include "core/passes/view.h"
 
 namespace verglas {
 
-// A geometry buffer: normal, depth and index of one layer of faces (shaders/geometry_buffer.glsl).
+// What a geometry buffer holds of roughness: nothing, each pixel's, or the shares in it of four or eight
+// classes, with mipmaps.
+enum class RoughnessData { None, Values, Classes4, Classes8 };
+
+// Layers of an array that hold four classes each.
+inline int class_layers(RoughnessData data) {
+    return data == RoughnessData::Classes8 ? 2 : data == RoughnessData::Classes4 ? 1 : 0;
+}
+
+// A geometry buffer: normal, depth and index of one layer of faces (shaders/geometry_buffer.glsl), and their
+// roughness where textures make it vary.
 class GeometryBuffer {
   public:
-    explicit GeometryBuffer(glm::ivec2 size);
+    explicit GeometryBuffer(glm::ivec2 size, RoughnessData roughness_data = RoughnessData::None);
     const gl::Texture& texels() const { return texels_; }
+    RoughnessData roughness_data() const { return roughness_data_; }
+    // 0 … 1; an array of class_layers() layers where it holds classes, then times coverage.
+    const gl::Texture& roughness() const { return roughness_; }
     const gl::Framebuffer& framebuffer() const { return framebuffer_; }
+    // Classes at all scales, from those of the pixels.
+    void filter_classes() const { glGenerateTextureMipmap(roughness_.id()); }
 
   private:
+    RoughnessData roughness_data_;
     gl::Texture texels_;
+    gl::Texture roughness_;
     gl::Texture depth_;
     gl::Framebuffer framebuffer_;
 };
 
 enum class Faces { NearestFront, FarthestFront, NearestBack, FarthestBack };
+
+// What the objects' surfaces are made of.
+struct Surfaces {
+    const std::vector<Material>& materials;
+    const TextureCache& textures;
+};
 
 // Rasterises objects into geometry buffers (de Rousiers et al. 2012, first pass, has nearest front and
 // farthest back faces).
@@ -30,11 +56,14 @@ class GeometryPass {
     // Empties a part of a buffer.
     void clear(const GeometryBuffer& buffer, Faces faces, const Rect& rect) const;
     // Adds the objects of a group. Front faces carry the group's number beside that of their material.
-    void draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group,
-              int number) const;
+    void draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group, int number,
+              const Surfaces& surfaces) const;
 
   private:
-    gl::Program program_;
+    static void set_roughness(const gl::Program& program, const Material& material,
+                              const TextureCache& textures);
+
+    std::array<gl::Program, 4> programs_;  // by RoughnessData
 };
 
 }  // namespace verglas

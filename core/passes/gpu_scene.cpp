@@ -2,9 +2,12 @@
 #include "core/passes/gpu_scene.h"
 
 #include <algorithm>
+#include <bit>
+#include <string>
 #include <unordered_set>
 #include <utility>
 
+#include "core/error.h"
 #include "core/gl/debug.h"
 
 namespace verglas {
@@ -32,14 +35,52 @@ GpuMesh upload(const Mesh& mesh) {
         glVertexArrayAttribFormat(array, attribute, 3, GL_FLOAT, GL_FALSE, attribute * sizeof(glm::vec3));
         glVertexArrayAttribBinding(array, attribute, 0);
     }
+    if (!mesh.uvs().empty()) {
+        result.uvs = gl::make_buffer(mesh.uvs().size() * sizeof(glm::vec2), mesh.uvs().data());
+        glVertexArrayVertexBuffer(array, 1, result.uvs.id(), 0, sizeof(glm::vec2));
+        glEnableVertexArrayAttrib(array, 2);
+        glVertexArrayAttribFormat(array, 2, 2, GL_FLOAT, GL_FALSE, 0);
+        glVertexArrayAttribBinding(array, 2, 1);
+    }
     return result;
 }
 
-// As `struct Material` of shaders/refraction.frag.glsl, std430.
+GLint wrap_of(Extension extension) {
+    switch (extension) {
+        case Extension::Repeat:
+            return GL_REPEAT;
+        case Extension::Extend:
+            return GL_CLAMP_TO_EDGE;
+        case Extension::Clip:
+            return GL_CLAMP_TO_BORDER;  // the border's colour is 0
+    }
+    return GL_REPEAT;
+}
+
+GpuTexture upload(const Texture& texture) {
+    GLint greatest = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &greatest);
+    const int longer = std::max(texture.width(), texture.height());
+    if (longer > greatest)
+        throw Error("Texture '" + texture.name() + "' is " + std::to_string(longer) +
+                    " pixels long; the graphics driver takes up to " + std::to_string(greatest) + ".");
+    gl::Texture result(GL_R32F, texture.width(), texture.height(), GL_LINEAR,
+                       static_cast<int>(std::bit_width(static_cast<unsigned>(longer))));
+    glTextureParameteri(result.id(), GL_TEXTURE_WRAP_S, wrap_of(texture.extension()));
+    glTextureParameteri(result.id(), GL_TEXTURE_WRAP_T, wrap_of(texture.extension()));
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTextureSubImage2D(result.id(), 0, 0, 0, texture.width(), texture.height(), GL_RED, GL_FLOAT,
+                        texture.values().data());
+    glGenerateTextureMipmap(result.id());
+    return {std::move(result), RoughnessHistogram(texture), 0, {}};
+}
+
+// As `struct Material` of shaders/materials.glsl, std430.
 struct MaterialData {
     glm::vec4 color_roughness;
     glm::vec4 reflection_ior;
     glm::vec4 absorption;
+    RoughnessClasses class_roughness;
     glm::ivec4 tables;
 };
 
@@ -60,16 +101,59 @@ bool MeshCache::update(const Scene& scene) {
     return changed;
 }
 
-bool MaterialCache::update(const std::vector<Material>& materials) {
+bool TextureCache::update(const std::vector<Material>& materials, int most_classes) {
+    const gl::PassScope scope("upload of textures");
+    bool changed = false;
+    std::unordered_map<std::shared_ptr<const Texture>, GpuTexture> kept;
+    for (const Material& material : materials) {
+        const auto& texture = material.roughness_texture;
+        if (!texture || kept.count(texture) > 0) continue;
+        const auto known = textures_.find(texture);
+        kept.emplace(texture, known != textures_.end() ? std::move(known->second) : upload(*texture));
+        changed = changed || known == textures_.end();
+    }
+    textures_ = std::move(kept);
+    for (auto& [texture, uploaded] : textures_) {
+        if (uploaded.most_classes == most_classes) continue;
+        uploaded.most_classes = most_classes;
+        uploaded.classes = uploaded.histogram.classes(most_classes);
+    }
+    scope.check();
+    return changed;
+}
+
+int TextureCache::most_classes() const {
+    std::size_t most = 0;
+    for (const auto& [texture, uploaded] : textures_) most = std::max(most, uploaded.classes.size());
+    return static_cast<int>(most);
+}
+
+float mean_roughness(const Material& material, const TextureCache& textures) {
+    if (material.roughness_texture) return textures[material.roughness_texture].histogram.mean();
+    return std::clamp(material.roughness, 0.0F, 1.0F);
+}
+
+RoughnessClasses roughness_classes(const Material& material, const TextureCache& textures) {
+    RoughnessClasses result{};
+    result.fill(mean_roughness(material, textures));
+    if (!material.roughness_texture) return result;
+    const std::vector<float>& classes = textures[material.roughness_texture].classes;
+    result.fill(classes.back());
+    std::copy(classes.begin(), classes.end(), result.begin());
+    return result;
+}
+
+bool MaterialCache::update(const std::vector<Material>& materials, const TextureCache& textures) {
     const gl::PassScope scope("upload of materials");
     const bool changed = tables_.update(materials);
     std::vector<MaterialData> data;
     for (int i = 0; i < static_cast<int>(materials.size()); ++i) {
         const Material& material = materials[i];
         const InterfaceTables& entering = tables_.tables(i, material.ior);
-        data.push_back({{material.color, std::clamp(material.roughness, 0.0F, 1.0F)},
+        data.push_back({{material.color, mean_roughness(material, textures)},
                         {material.reflection_color, entering.eta},
                         {material.absorption, 0.0F},
+                        roughness_classes(material, textures),
                         {entering.refraction, tables_.tables(i, 1.0F / material.ior).refraction,
                          entering.reflection, 0}});
     }

@@ -3,12 +3,15 @@
 // thread.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <unordered_map>
 #include <vector>
 
 #include "core/gl/objects.h"
+#include "core/material/model.h"
+#include "core/material/roughness_classes.h"
 #include "core/material/table_set.h"
 #include "core/passes/environment_filter.h"
 #include "core/scene/scene.h"
@@ -17,6 +20,7 @@ namespace verglas {
 
 struct GpuMesh {
     gl::Buffer vertices;
+    gl::Buffer uvs;  // none where the mesh has none; shaders then read (0, 0)
     gl::Buffer indices;
     gl::VertexArray array;
 };
@@ -31,13 +35,45 @@ class MeshCache {
     std::unordered_map<std::shared_ptr<const Mesh>, GpuMesh> meshes_;
 };
 
+// A texture of roughness, with mipmaps, in which a texel is the mean over its area.
+struct GpuTexture {
+    gl::Texture texture;
+    RoughnessHistogram histogram;
+    int most_classes = 0;
+    std::vector<float> classes;  // of RoughnessHistogram::classes(most_classes)
+};
+
+// Textures by identity; those that no material has any more are dropped.
+class TextureCache {
+  public:
+    // most_classes: of roughness, for each texture. Returns whether there were new textures.
+    bool update(const std::vector<Material>& materials, int most_classes);
+    bool empty() const { return textures_.empty(); }
+    // The most classes that a texture has.
+    int most_classes() const;
+    const GpuTexture& operator[](const std::shared_ptr<const Texture>& texture) const {
+        return textures_.at(texture);
+    }
+
+  private:
+    std::unordered_map<std::shared_ptr<const Texture>, GpuTexture> textures_;
+};
+
+// Of a material with a texture, its mean; 0 … 1.
+float mean_roughness(const Material& material, const TextureCache& textures);
+
+using RoughnessClasses = std::array<float, model::MAX_ROUGHNESS_CLASSES>;
+
+// Filled up with the last one.
+RoughnessClasses roughness_classes(const Material& material, const TextureCache& textures);
+
 // Materials as a storage buffer, and an array of the lobe tables that they use.
 class MaterialCache {
   public:
     // cache_folder: of LobeTables::load_or_build.
     explicit MaterialCache(std::filesystem::path cache_folder) : tables_(std::move(cache_folder)) {}
     // Whether the tables have changed.
-    bool update(const std::vector<Material>& materials);
+    bool update(const std::vector<Material>& materials, const TextureCache& textures);
     const gl::Buffer& buffer() const { return buffer_; }
     const gl::Texture& lobe_tables() const { return lobe_tables_; }
 

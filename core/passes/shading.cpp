@@ -20,7 +20,10 @@ enum Unit : GLuint {
     depths_unit,
     shaded_unit,
     nearest_back_unit,
-    farthest_front_unit
+    farthest_front_unit,
+    front_roughness_unit,
+    back_classes_unit,
+    nearest_back_classes_unit
 };
 
 void begin(const gl::Framebuffer& target, const View& view, const Rect& rect) {
@@ -72,8 +75,16 @@ bool RefractionPass::needs_layers(const Settings& settings) {
     return settings.transport == Transport::Bundle && settings.intersection == Intersection::Newton;
 }
 
-const gl::Program& RefractionPass::program(const Settings& settings) {
-    const std::pair key(settings.transport, settings.intersection);
+RoughnessData RefractionPass::back_data(const Settings& settings, int classes) {
+    const bool has_classes =
+        settings.transport != Transport::DepthMip && settings.transport != Transport::Specular;
+    if (settings.back_roughness == BackRoughness::Simple || !has_classes || classes < 2)
+        return RoughnessData::None;
+    return classes > 4 ? RoughnessData::Classes8 : RoughnessData::Classes4;
+}
+
+const gl::Program& RefractionPass::program(const Settings& settings, RoughnessData front, int classes) {
+    const std::tuple key(settings.transport, settings.intersection, front, classes);
     const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
     constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE",
@@ -82,6 +93,11 @@ const gl::Program& RefractionPass::program(const Settings& settings) {
     std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
                                         intersections[static_cast<int>(settings.intersection)]};
     if (needs_layers(settings)) defines.emplace_back("LAYERS");
+    if (front != RoughnessData::None) defines.emplace_back("FRONT_ROUGHNESS");
+    if (classes > 0) {
+        defines.push_back("CLASSES " + std::to_string(classes));
+        defines.push_back("CLASS_LAYERS " + std::to_string(classes > 4 ? 2 : 1));
+    }
     return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", defines))
         .first->second;
 }
@@ -89,12 +105,22 @@ const gl::Program& RefractionPass::program(const Settings& settings) {
 void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
                           const BackGeometry& back, const MaterialCache& materials, const ViewGroup& group,
                           int number) {
-    const gl::Program& shader = program(inputs.settings);
+    const RoughnessData back_data = back.farthest.roughness_data();
+    const int classes = back_data == RoughnessData::None ? 0 : inputs.classes;
+    const gl::Program& shader = program(inputs.settings, inputs.front.roughness_data(), classes);
     shader.use();
     set_environment(shader, inputs);
     set_screen_space(shader, inputs);
     set_texture(shader, "back_faces", back_unit, back.farthest.texels());
     set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
+    if (back_data != RoughnessData::None) {
+        set_texture(shader, "back_classes", back_classes_unit, back.farthest.roughness());
+        if (back.inner != nullptr)
+            set_texture(shader, "nearest_back_classes", nearest_back_classes_unit,
+                        back.inner->nearest_back.roughness());
+    }
+    if (inputs.front.roughness_data() != RoughnessData::None)
+        set_texture(shader, "front_roughness", front_roughness_unit, inputs.front.roughness());
     if (back.inner != nullptr) {
         set_texture(shader, "nearest_back_faces", nearest_back_unit, back.inner->nearest_back.texels());
         set_texture(shader, "farthest_front_faces", farthest_front_unit, back.inner->farthest_front.texels());

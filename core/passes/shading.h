@@ -21,11 +21,12 @@ struct ShadingInputs {
     const Settings& settings;
     const FilteredEnvironment& environment;
     const GeometryBuffer& front;
+    int classes;  // of roughness that varies
 };
 
 // Layers between the nearest front and the farthest back faces, where an object lies before itself.
 struct InnerLayers {
-    explicit InnerLayers(glm::ivec2 size) : nearest_back(size), farthest_front(size) {}
+    InnerLayers(glm::ivec2 size, RoughnessData of_back) : nearest_back(size, of_back), farthest_front(size) {}
 
     GeometryBuffer nearest_back;
     GeometryBuffer farthest_front;
@@ -47,13 +48,16 @@ class RefractionPass {
     static bool needs_pyramid(const Settings& settings);
     // Whether they need the inner layers.
     static bool needs_layers(const Settings& settings);
+    // What back faces have to hold of roughness that varies.
+    static RoughnessData back_data(const Settings& settings, int classes);
     void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const BackGeometry& back,
               const MaterialCache& materials, const ViewGroup& group, int number);
 
   private:
-    const gl::Program& program(const Settings& settings);
+    // classes: of the back; 0 where one roughness stands for all of it.
+    const gl::Program& program(const Settings& settings, RoughnessData front, int classes);
 
-    std::map<std::pair<Transport, Intersection>, gl::Program> programs_;
+    std::map<std::tuple<Transport, Intersection, RoughnessData, int>, gl::Program> programs_;
     gl::VertexArray empty_;
 };
 

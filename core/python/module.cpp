@@ -70,6 +70,7 @@ constexpr std::array<const char*, 3> extension_names = {"REPEAT", "EXTEND", "CLI
 constexpr std::array<const char*, 5> transport_names = {"BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP", "SPECULAR"};
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
 constexpr std::array<const char*, 2> path_mode_names = {"TWO_INTERFACE", "FULL"};
+constexpr std::array<const char*, 2> back_roughness_names = {"SIMPLE", "COVERAGE"};
 constexpr std::array<const char*, 3> tir_names = {"NONE", "INCIDENT", "CLAMP"};
 
 template <typename Enum, std::size_t N>
@@ -311,11 +312,13 @@ void bind_settings(py::module_& module) {
         .def_readwrite("filter_width", &Settings::filter_width)
         .def_readwrite("reflection", &Settings::reflection)
         .def_readwrite("transparent", &Settings::transparent)
+        .def_readwrite("roughness_classes", &Settings::roughness_classes)
         .def_readwrite("max_interfaces", &Settings::max_interfaces)
         .def_readwrite("threads", &Settings::threads);
     def_enum(settings, "transport", &Settings::transport, transport_names);
     def_enum(settings, "intersection", &Settings::intersection, intersection_names);
     def_enum(settings, "tir", &Settings::tir, tir_names);
+    def_enum(settings, "back_roughness", &Settings::back_roughness, back_roughness_names);
     def_enum(settings, "paths", &Settings::paths, path_mode_names);
 }
 

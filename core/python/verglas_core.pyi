@@ -78,7 +78,7 @@ class Material:
     roughness: float
     """Blender's slider, 0 … 1; alpha = roughness^2. Default 0.5."""
     roughness_texture: Texture | None
-    """What the path tracer takes in place of `roughness`; the real-time renderer doesn't yet. Default None."""
+    """Roughnesses in place of `roughness`, by the mesh's uvs; clamped to 0 … 1. Default None."""
     ior: float
     """Index of refraction inside, relative to the outside, 1/3 … 3 (clamped). Default 1.5."""
     priority: int
@@ -167,6 +167,12 @@ class Settings:
     """'NEWTON' (default) or 'MARCH'."""
     tir: str
     """Total internal reflection: 'NONE', 'INCIDENT' or 'CLAMP' (default)."""
+    back_roughness: str
+    """Where a texture makes roughness vary, what back faces have of it. 'COVERAGE' (default): classes of roughness, each
+    with the part that it covers of what a lobe reaches, for transports 'BUNDLE', 'PAPER' and 'SINGLE'; 'SIMPLE': the
+    texture's mean. Front faces have the texture itself."""
+    roughness_classes: int
+    """How many classes a texture has at most, 2 … 8. Default 4."""
     reflection: bool
     """Whether the front reflection of materials with fresnel is part of the picture. Default True."""
     transparent: bool
@@ -201,8 +207,8 @@ class Frame:
         in which pixels come back from the GPU, 'readback'. Empty where the path tracer made the frame."""
     @property
     def prepare_seconds(self) -> dict[str, float]:
-        """Wall time before the passes: 'meshes' (upload), 'tables' (loaded or built, upload), 'environment'
-        (upload, prefiltering); 0 where nothing was new. Empty where the path tracer made the frame."""
+        """Wall time before the passes: 'meshes' and 'textures' (upload), 'tables' (loaded or built, upload),
+        'environment' (upload, prefiltering); 0 where nothing was new. Empty where the path tracer made the frame."""
 
 class Renderer:
     """Owns the GL thread and what has been uploaded. Raises Error with one sentence where EGL or

@@ -18,10 +18,9 @@ namespace verglas {
 struct Material {
     std::string name;
     Ndf ndf = Ndf::Beckmann;
-    float roughness = 0.5F;  // 0 … 1, alpha = roughness^2
-    std::shared_ptr<const Texture>
-        roughness_texture;             // in place of roughness, by the path tracer; may be null
-    float ior = 1.5F;                  // inside relative to outside, 1 / max_eta … max_eta
+    float roughness = 0.5F;                            // 0 … 1, alpha = roughness^2
+    std::shared_ptr<const Texture> roughness_texture;  // in place of roughness; may be null
+    float ior = 1.5F;                                  // inside relative to outside, 1 / max_eta … max_eta
     int priority = 0;                  // among overlapping solids, for the CPU's rays; see MediumStack
     glm::vec3 color{1.0F};             // factor of every refraction, linear
     glm::vec3 reflection_color{1.0F};  // factor of the front reflection, linear

@@ -12,6 +12,10 @@ enum class Transport { Bundle, Paper, Single, DepthMip, Specular };
 enum class Intersection { Newton, March };
 enum class Tir : int { None, Incident, Clamp };  // as TIR_* of shaders/lib/constants.glsl
 
+// Roughness of the back faces where a texture makes it vary: the texture's mean, or classes of roughness by
+// the part of the back that each covers (de Rousiers et al. 2012, section 5.1), for the first three ways.
+enum class BackRoughness { Simple, Coverage };
+
 // Pixels from the lower left.
 struct Rect {
     glm::ivec2 begin{0};
@@ -49,6 +53,8 @@ struct Settings {
     Transport transport = Transport::Bundle;
     Intersection intersection = Intersection::Newton;
     Tir tir = Tir::Clamp;
+    BackRoughness back_roughness = BackRoughness::Coverage;
+    int roughness_classes = 4;  // at most, of a texture: 2 … 8
     bool reflection = true;
     bool transparent = false;
     // Of TracedRenderer.

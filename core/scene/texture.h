@@ -19,6 +19,8 @@ class Texture {
     const std::string& name() const { return name_; }
     int width() const { return width_; }
     int height() const { return height_; }
+    const std::vector<float>& values() const { return values_; }
+    Extension extension() const { return extension_; }
 
     // Bilinear between the centres of texels; Clip is 0 outside.
     float sample(glm::vec2 uv) const;

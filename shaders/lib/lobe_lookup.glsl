@@ -3,18 +3,22 @@
 //     vec4 sample_lobe_table(int table, float x, float y)
 // with linear interpolation between nodes, x and y in 0 … 1.
 
+SHARED float lobe_spread(vec4 node, float roughness) {
+    float alpha = alpha_from_roughness(roughness);
+    return clamp(exp2(node.y) * alpha * alpha, LOBE_MIN_SPREAD, 1.0f);
+}
+
 // Lobe of a table in the frame of an interface: d, unit direction of propagation from the viewer; n, unit
 // normal that faces the viewer (d.n < 0); side: +1 for reflection, -1 for refraction, the sign of the lobe's
 // own cosine to n. cos_theta may differ from -d.n (clamped rays).
 SHARED Lobe lobe_from_table(int table, float cos_theta, float eta, float roughness, vec3 d, vec3 n, float side) {
     vec4 node = sample_lobe_table(table, lobe_table_x(cos_theta, eta), lobe_table_y(roughness));
-    float alpha = alpha_from_roughness(roughness);
     // Its length is the sine of d; a clamped ray's is that of the clamped cosine.
     vec3 tangent = d - dot(d, n) * n;
     float stretch = sqrt((1.0f - cos_theta * cos_theta) / max(dot(tangent, tangent), 1e-12f));
     Lobe lobe;
     lobe.energy = node.x;
-    lobe.spread = clamp(exp2(node.y) * alpha * alpha, LOBE_MIN_SPREAD, 1.0f);
+    lobe.spread = lobe_spread(node, roughness);
     lobe.direction = normalize(node.z * stretch * tangent + side * node.w * n);
     return lobe;
 }
@@ -25,11 +29,14 @@ SHARED Lobe reflected_lobe(int table, float eta, float roughness, vec3 d, vec3 n
 
 // tir: TIR_NONE leaves what the rough interface still lets through; TIR_INCIDENT goes straight on, with the
 // lobe of the critical angle; TIR_CLAMP refracts as at the critical angle (Wyman 2005).
-SHARED Lobe refracted_lobe(int table, float eta, float roughness, vec3 d, vec3 n, int tir) {
+SHARED float refracted_cosine(float eta, vec3 d, vec3 n, int tir) {
     float cos_theta = clamp(-dot(d, n), 0.0f, 1.0f);
-    float cos_critical = critical_cosine(eta);
-    bool beyond = cos_theta < cos_critical && tir != TIR_NONE;
-    Lobe lobe = lobe_from_table(table, beyond ? cos_critical : cos_theta, eta, roughness, d, n, -1.0f);
-    if (beyond && tir == TIR_INCIDENT) lobe.direction = d;
+    return tir == TIR_NONE ? cos_theta : max(cos_theta, critical_cosine(eta));
+}
+
+SHARED Lobe refracted_lobe(int table, float eta, float roughness, vec3 d, vec3 n, int tir) {
+    float cos_theta = refracted_cosine(eta, d, n, tir);
+    Lobe lobe = lobe_from_table(table, cos_theta, eta, roughness, d, n, -1.0f);
+    if (tir == TIR_INCIDENT && cos_theta > clamp(-dot(d, n), 0.0f, 1.0f)) lobe.direction = d;
     return lobe;
 }

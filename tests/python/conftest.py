@@ -16,7 +16,7 @@ def renderer():
 
 
 def sphere(name="Sphere", segments=64):
-    """A unit sphere around the origin."""
+    """A unit sphere around the origin; u goes around Z from +X, v from pole to pole."""
     rows = segments // 2
     around, down = np.meshgrid(np.linspace(0, 2 * np.pi, segments + 1), np.linspace(0, np.pi, rows + 1))
     points = np.stack([np.sin(down) * np.cos(around), np.sin(down) * np.sin(around), np.cos(down)], -1)
@@ -25,7 +25,8 @@ def sphere(name="Sphere", segments=64):
     below = i + segments + 1
     upper = np.stack([i, below, below + 1], -1)[:-segments]
     lower = np.stack([i, below + 1, i + 1], -1)[segments:]
-    return verglas.Mesh(name, points, points, np.concatenate([upper, lower]))
+    uvs = np.stack([around / (2 * np.pi), 1 - down / np.pi], -1).reshape(-1, 2)
+    return verglas.Mesh(name, points, points, np.concatenate([upper, lower]), uvs=uvs)
 
 
 def flat_faces(name, corners, uvs=None, slots=None):

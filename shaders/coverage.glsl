@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Which part of a footprint on the back faces has which class of roughness (de Rousiers et al. 2012, section 5.1).
+// Where roughness varies, CLASSES is defined as the number of classes, and CLASS_LAYERS as that of layers that hold four
+// each; else there is one class. Classes are those of the material that the ray leaves through: where its footprint reaches over to
+// another material, that one's shares count for its own classes.
+#include "materials.glsl"
+#include "screen_space.glsl"
+
+#ifdef CLASS_LAYERS
+// Shares of classes times coverage, at all scales.
+uniform sampler2DArray back_classes;
+#ifdef LAYERS
+uniform sampler2DArray nearest_back_classes;
+#endif
+#else
+#define CLASSES 1
+#endif
+
+struct Coverage {
+    float ratios[CLASSES];  // their sum is 1
+};
+
+float roughness_of_class(Material material, int i) {
+#ifdef CLASS_LAYERS
+    return material.class_roughness[i];
+#else
+    return material.color_roughness.w;
+#endif
+}
+
+#ifdef CLASS_LAYERS
+// Four classes over a square of 2^level pixels about the exit.
+vec4 sample_classes(int layer, vec2 pixel, vec4 face, float level) {
+    vec3 place = vec3(pixel / frame_size, float(layer));
+#ifdef LAYERS
+    if (face.z != texelFetch(back_faces, ivec2(pixel), 0).z) return textureLod(nearest_back_classes, place, level);
+#endif
+    return textureLod(back_classes, place, level);
+}
+
+// From shares times coverage. What covers too little to be stored at this scale has the first class.
+Coverage normalized_coverage(vec4 shares[CLASS_LAYERS]) {
+    float sum = 0.0;
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) sum += dot(shares[layer], vec4(1.0));
+    Coverage coverage;
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) {
+        vec4 part = sum > 0.0 ? shares[layer] / sum : vec4(layer == 0 ? 1.0 : 0.0, 0.0, 0.0, 0.0);
+        for (int i = 0; i < min(4, CLASSES - 4 * layer); ++i) coverage.ratios[4 * layer + i] = part[i];
+    }
+    return coverage;
+}
+#endif
+
+// About an exit, over a square of so many pixels.
+Coverage coverage_about(vec2 pixel, vec4 face, float pixels) {
+#ifdef CLASS_LAYERS
+    float level = log2(max(pixels, 1.0));
+    vec4 shares[CLASS_LAYERS];
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) shares[layer] = sample_classes(layer, pixel, face, level);
+    return normalized_coverage(shares);
+#else
+    return Coverage(float[1](1.0));
+#endif
+}
+
+#ifdef CLASS_LAYERS
+float mean_roughness(Coverage coverage, Material material) {
+    float mean = 0.0;
+    for (int c = 0; c < CLASSES; ++c) mean += coverage.ratios[c] * material.class_roughness[c];
+    return mean;
+}
+#endif
