@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pixels of Blender's images as Cycles' Image Texture sees them, and numpy look-ups in them."""
+
+import itertools
+import os
+import zlib
+from collections.abc import Hashable
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from .. import compat
+from .cache import Cache
+
+
+class Unreadable(Exception):
+    """An image without pixels; the message completes "which …"."""
+
+
+class Picture(NamedTuple):
+    """An image's pixels, as Cycles interpolates between them: bytes that are sRGB stay so until they have
+    been looked up. Data and channel-packed images have their colours apart from alpha; others are
+    premultiplied."""
+    key: Hashable
+    """equal for equal pixels"""
+    rgba: np.ndarray
+    """(H, W, 4) float32, row 0 at the bottom"""
+    is_srgb: bool
+    """else scene-linear"""
+    is_associated: bool
+    """premultiplied by alpha"""
+
+
+SCENE_LINEAR_MATRICES = {
+    'XYZ': "from_xyz_d65_to_scene_linear",
+    'Linear CIE-XYZ D65': "from_xyz_d65_to_scene_linear",
+    'Linear ACES': "from_aces_to_scene_linear",
+    'ACES2065-1': "from_aces_to_scene_linear",
+}
+"""mathutils.Color's conversion for other linear colour spaces."""
+
+_pictures = Cache()
+_generations: dict[str, int] = {}
+_counter = itertools.count(1)
+
+
+def name_of(image: bpy.types.Image) -> str:
+    """What stays the same when undo replaces the image."""
+    return image.name_full
+
+
+def note_change(image: bpy.types.Image) -> None:
+    """Its pixels are read again when they are needed next."""
+    _generations[name_of(image)] = next(_counter)
+
+
+def note_all_changes() -> None:
+    _generations.clear()
+    _pictures.clear()
+
+
+def sweep() -> None:
+    """Forgets the pixels of images that weren't asked for since the last sweep."""
+    _pictures.sweep()
+
+
+def picture(image: bpy.types.Image, check: bool) -> Picture:
+    """check: reads unsaved pixels even if Blender hasn't told of a change; scripts can write them without
+    its knowing. Raises Unreadable."""
+    if check and image.is_dirty:
+        pixels = _pixels(image)
+        key = (*_state(image), zlib.crc32(pixels))
+        return _pictures.get(key, lambda: _picture_of(key, pixels, image))
+    key = (*_state(image), _generations.get(name_of(image), 0))
+    return _pictures.get(key, lambda: _picture_of(key, _pixels(image), image))
+
+
+def _state(image: bpy.types.Image) -> tuple[Hashable, ...]:
+    """What else the pixels depend on."""
+    path = bpy.path.abspath(image.filepath, library=image.library)
+    modified = os.stat(path).st_mtime_ns if image.source == 'FILE' and os.path.isfile(path) else 0
+    frame = bpy.context.scene.frame_current if image.source in {'SEQUENCE', 'MOVIE'} else 0
+    return (name_of(image), image.source, path, modified, frame, image.colorspace_settings.name,
+            image.alpha_mode, tuple(image.size))
+
+
+def _pixels(image: bpy.types.Image) -> np.ndarray:
+    """(H, W, C) float32 as Blender holds them: floats scene-linear, bytes in their own colour space."""
+    width, height = image.size
+    if width == 0 or height == 0:
+        raise Unreadable(f"has no readable image ('{image.name}', '{image.filepath}')")
+    pixels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(pixels)
+    return pixels.reshape(height, width, -1)
+
+
+def _picture_of(key: Hashable, pixels: np.ndarray, image: bpy.types.Image) -> Picture:
+    channels = pixels.shape[2]
+    rgba = np.ones((*pixels.shape[:2], 4), np.float32)
+    rgba[..., :3] = pixels[..., :3] if channels >= 3 else pixels[..., :1]
+    if channels in {2, 4} and image.alpha_mode != 'NONE':
+        rgba[..., 3] = pixels[..., -1]
+    space = image.colorspace_settings.name
+    is_srgb = space == 'sRGB' and not image.is_float
+    if not (image.is_float or is_srgb or space in compat.LINEAR_COLOR_SPACES):
+        if space not in SCENE_LINEAR_MATRICES:
+            raise Unreadable(f"has an image in the color space '{space}', which isn't supported yet")
+        rgba[..., :3] = rgba[..., :3] @ _matrix_of(space).T
+    is_associated = not (image.colorspace_settings.is_data or image.alpha_mode in {'NONE', 'CHANNEL_PACKED'})
+    if is_associated and not image.is_float:
+        rgba[..., :3] *= rgba[..., 3:]
+    return Picture(key, rgba, is_srgb, is_associated)
+
+
+def _matrix_of(space: str) -> np.ndarray:
+    """(3, 3): to scene-linear."""
+    from mathutils import Color
+    return np.array([getattr(Color(unit), SCENE_LINEAR_MATRICES[space])() for unit in np.eye(3)],
+                    np.float32).T
+
+
+def linear_from_srgb(values: np.ndarray) -> np.ndarray:
+    return np.where(values <= 0.04045, values / 12.92, ((np.maximum(values, 0.0) + 0.055) / 1.055) ** 2.4)
+
+
+# Look-ups
+
+def wrapped(x: np.ndarray, size: int, extension: str) -> np.ndarray:
+    """Indices of texels within 0 … size - 1; those that Clip leaves empty are -1."""
+    if extension == 'REPEAT':
+        return x % size
+    if extension == 'MIRROR':
+        x = x % (2 * size)
+        return np.where(x < size, x, 2 * size - 1 - x)
+    if extension == 'CLIP':
+        return np.where((x >= 0) & (x < size), x, -1)
+    return np.clip(x, 0, size - 1)
+
+
+def sample(rgba: np.ndarray, uv: np.ndarray, extension: str, interpolation: str) -> np.ndarray:
+    """(N, 4) values of rgba (H, W, 4) at uv (N, 2); centres of texels lie at halves. interpolation:
+    'Closest', 'Linear', and 'Cubic' or 'Smart', which is cubic, too."""
+    height, width = rgba.shape[:2]
+    uv = np.nan_to_num(np.clip(uv, -1e6, 1e6), posinf=0.0, neginf=0.0)
+    place = uv.astype(np.float64) * (width, height)
+    if interpolation == 'Closest':
+        corner = np.floor(place).astype(np.int64)
+        return _fetch(rgba, corner[:, 0], corner[:, 1], extension)
+    place -= 0.5
+    corner = np.floor(place).astype(np.int64)
+    t = (place - corner).astype(np.float32)
+    weigh, first = (_linear_weights, 0) if interpolation == 'Linear' else (_cubic_weights, -1)
+    across, up = weigh(t[:, 0]), weigh(t[:, 1])
+    result = np.zeros((len(uv), 4), np.float32)
+    for j, wy in enumerate(up):
+        for i, wx in enumerate(across):
+            texels = _fetch(rgba, corner[:, 0] + first + i, corner[:, 1] + first + j, extension)
+            result += (wx * wy)[:, None] * texels
+    return result
+
+
+def _fetch(rgba: np.ndarray, x: np.ndarray, y: np.ndarray, extension: str) -> np.ndarray:
+    height, width = rgba.shape[:2]
+    x, y = wrapped(x, width, extension), wrapped(y, height, extension)
+    texels = rgba[y, x]
+    if extension == 'CLIP':
+        texels[(x < 0) | (y < 0)] = 0.0
+    return texels
+
+
+def _linear_weights(t: np.ndarray) -> tuple[np.ndarray, ...]:
+    return 1.0 - t, t
+
+
+def _cubic_weights(t: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Of the uniform cubic B-spline."""
+    return ((1.0 - t) ** 3 / 6.0, (3.0 * t ** 3 - 6.0 * t ** 2 + 4.0) / 6.0,
+            (-3.0 * t ** 3 + 3.0 * t ** 2 + 3.0 * t + 1.0) / 6.0, t ** 3 / 6.0)

@@ -1,0 +1,370 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Roughness that varies over the surface: each node and source against what Cycles makes of it."""
+
+import bpy
+import numpy as np
+import pytest
+from scenes import add_node, new_group, node_of
+from textures import add_image, add_plane, link, new_image, of_cycles, of_verglas, set_uvs, textured
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def noise_image(size: int = 6, **options) -> bpy.types.Image:
+    pixels = np.random.default_rng(1).uniform(0.1, 0.9, (size, size + 2, 3)).astype(np.float32)
+    return new_image(pixels, **options)
+
+
+def assert_as_cycles(scene, plane, warned, tolerance: float, share: float = 1.0) -> None:
+    """share: of the pixels that are within the tolerance; edges that Cycles has sharper aren't."""
+    ours = of_verglas(plane, warned.append)
+    truth = of_cycles(scene, plane)
+    assert warned == []
+    assert truth.std() > 0.01
+    error = np.abs(ours - truth)
+    assert np.mean(error <= tolerance) >= share, f"error up to {error.max():.3g}, mean {error.mean():.3g}"
+
+
+@pytest.mark.parametrize("extension", ['REPEAT', 'EXTEND', 'CLIP', 'MIRROR'])
+@pytest.mark.parametrize("interpolation", ['Linear', 'Closest', 'Cubic'])
+def test_image(scene, warned, extension, interpolation):
+    """An artist's painted frost would be shifted, cut or smeared beyond the borders of its image."""
+    if extension == 'MIRROR' and bpy.app.version < (3, 5, 0):
+        pytest.skip("3.5 brought Mirror")
+    material = textured(lambda tree: add_image(tree, noise_image(), extension=extension,
+                                               interpolation=interpolation).outputs[0])
+    assert_as_cycles(scene, add_plane(material, uv_range=(-0.7, 1.45)), warned, 0.004)
+
+
+def mapped(tree, kind: str, **values) -> bpy.types.NodeSocket:
+    uv = add_node(tree, "ShaderNodeUVMap", uv_map="UVMap").outputs[0]
+    return link(tree, "ShaderNodeMapping", {0: uv}, vector_type=kind, **values)
+
+
+@pytest.mark.parametrize("kind", ['POINT', 'TEXTURE', 'VECTOR'])
+def test_mapping_of_an_image(scene, warned, kind):
+    """An image that is moved, turned or scaled by a Mapping node would lie elsewhere than in Cycles."""
+    values = {"Location": (0.3, -0.2, 0.4)} if kind != 'VECTOR' else {}
+    material = textured(lambda tree: add_image(
+        tree, noise_image(), mapped(tree, kind, Rotation=(0.4, 0.2, 0.7), Scale=(1.5, 0.6, 1.0), **values)
+    ).outputs[0])
+    assert_as_cycles(scene, add_plane(material), warned, 0.002)
+
+
+@pytest.mark.parametrize("space, is_float", [
+    ('sRGB', False), ('Non-Color', False), ('Non-Color', True), ('Linear', True), ('XYZ', False),
+    ('Linear ACES', False)])
+def test_color_space(scene, warned, space, is_float):
+    """Roughness would be too low or too high all over for images that aren't data."""
+    if space not in {item.name for item in bpy.types.ColorManagedInputColorspaceSettings.bl_rna
+                     .properties["name"].enum_items}:
+        pytest.skip("this version names it differently")
+    material = textured(lambda tree: add_image(tree, noise_image(space=space, is_float=is_float)).outputs[0])
+    assert_as_cycles(scene, add_plane(material), warned, 0.004)
+
+
+@pytest.mark.parametrize("mode", ['STRAIGHT', 'PREMUL', 'CHANNEL_PACKED', 'NONE'])
+@pytest.mark.parametrize("output", ["Color", "Alpha", "both"])
+@pytest.mark.parametrize("space", ['sRGB', 'Non-Color'])
+def test_alpha(scene, warned, mode, output, space):
+    """Images with alpha would have another roughness where they are transparent."""
+    pixels = np.random.default_rng(2).uniform(0.2, 0.9, (4, 4, 4)).astype(np.float32)
+    image = new_image(pixels, space=space, is_float=False, alpha=True)
+    image.alpha_mode = mode
+
+    def build(tree):
+        node = add_image(tree, image)
+        if output != "both":
+            return node.outputs[output]
+        return link(tree, "ShaderNodeMath", {0: node.outputs["Color"], 1: node.outputs["Alpha"]},
+                    operation='MULTIPLY')
+    if (mode, output) == ('NONE', "Alpha"):
+        pytest.skip("all 1")
+    assert_as_cycles(scene, add_plane(textured(build)), warned, 0.006)
+
+
+def image_chain(*kinds: tuple[str, dict]):
+    """Builds an image whose colour goes through nodes, by their first colour or number input."""
+    def build(tree):
+        output = add_image(tree, noise_image(12)).outputs[0]
+        for kind, values in kinds:
+            number = values.pop("number", 0)
+            output = link(tree, kind, {number: output}, values.pop("output", 0), **values)
+        return output
+    return build
+
+
+MATHS = ['ADD', 'SUBTRACT', 'MULTIPLY', 'DIVIDE', 'MULTIPLY_ADD', 'POWER', 'LOGARITHM', 'SQRT',
+         'INVERSE_SQRT', 'ABSOLUTE', 'EXPONENT', 'MINIMUM', 'MAXIMUM', 'LESS_THAN', 'GREATER_THAN',
+         'SIGN', 'COMPARE', 'SMOOTH_MIN', 'SMOOTH_MAX', 'ROUND', 'FLOOR', 'CEIL', 'TRUNC', 'FRACT',
+         'MODULO', 'WRAP', 'SNAP', 'PINGPONG', 'SINE', 'COSINE', 'TANGENT', 'ARCSINE', 'ARCCOSINE',
+         'ARCTANGENT', 'ARCTAN2', 'SINH', 'COSH', 'TANH', 'RADIANS', 'DEGREES']
+
+
+def assert_node_as_cycles(scene, warned, build, tolerance=0.002):
+    """On a plane across which an attribute rises."""
+    plane = add_plane(textured(build), cells=1)
+    attribute = plane.data.attributes.new("Slope", 'FLOAT', 'POINT')
+    attribute.data.foreach_set("value", (0.0, 1.0, 0.0, 1.0))
+    assert_as_cycles(scene, plane, warned, tolerance, share=0.97)
+
+
+def slope(tree, lower: float = -1.5, upper: float = 1.5) -> bpy.types.NodeSocket:
+    """A number that rises over the plane."""
+    x = add_node(tree, "ShaderNodeAttribute", attribute_name="Slope").outputs["Fac"]
+    node = add_node(tree, "ShaderNodeMapRange", clamp=False)
+    tree.links.new(x, node.inputs[0])
+    node.inputs[3].default_value, node.inputs[4].default_value = lower, upper
+    return node.outputs[0]
+
+
+@pytest.mark.parametrize("operation", MATHS)
+def test_math(scene, warned, operation):
+    """A Math node between texture and roughness would calculate something else."""
+    def build(tree):
+        node = add_node(tree, "ShaderNodeMath", operation=operation)
+        tree.links.new(slope(tree), node.inputs[0])
+        node.inputs[1].default_value, node.inputs[2].default_value = 0.75, 0.4
+        return node.outputs[0]
+    assert_node_as_cycles(scene, warned, build, 0.01)
+
+
+@pytest.mark.skipif(bpy.app.version < (4, 1, 0), reason="4.1 brought it")
+def test_floored_modulo(scene, warned):
+    """As test_math."""
+    test_math(scene, warned, 'FLOORED_MODULO')
+
+
+@pytest.mark.parametrize("operation", [
+    'ADD', 'MULTIPLY', 'DIVIDE', 'DOT_PRODUCT', 'CROSS_PRODUCT', 'DISTANCE', 'LENGTH', 'SCALE',
+    'NORMALIZE', 'FRACTION', 'MODULO', 'WRAP', 'SNAP', 'SINE'])
+def test_vector_math(scene, warned, operation):
+    """Coordinates that a Vector Math node bends would lie elsewhere."""
+    def build(tree):
+        x = slope(tree)
+        vector = link(tree, "ShaderNodeCombineXYZ", {0: x, 2: x}, Y=0.4)
+        node = add_node(tree, "ShaderNodeVectorMath", operation=operation)
+        tree.links.new(vector, node.inputs[0])
+        for number, value in ((1, (0.7, 0.3, 0.9)), (2, (0.1, 0.0, 0.2))):
+            node.inputs[number].default_value = value
+        node.inputs["Scale"].default_value = 1.3
+        return next(output for output in node.outputs if output.enabled)
+    assert_node_as_cycles(scene, warned, build, 0.01)
+
+
+@pytest.mark.parametrize("clamp", [False, True])
+@pytest.mark.parametrize("kind", ['LINEAR', 'STEPPED', 'SMOOTHSTEP', 'SMOOTHERSTEP'])
+def test_map_range(scene, warned, kind, clamp):
+    """Frost between two values, the way most artists set it, would have others."""
+    def build(tree):
+        node = add_node(tree, "ShaderNodeMapRange", clamp=clamp, interpolation_type=kind)
+        tree.links.new(slope(tree), node.inputs[0])
+        for number, value in enumerate((-0.5, 0.8, 0.9, 0.2, 3.0), 1):
+            node.inputs[number].default_value = value
+        return node.outputs[0]
+    assert_node_as_cycles(scene, warned, build)
+
+
+@pytest.mark.parametrize("interpolation", ['LINEAR', 'CONSTANT', 'EASE', 'B_SPLINE', 'CARDINAL'])
+def test_color_ramp(scene, warned, interpolation):
+    """A ramp between texture and roughness would be flat, or of other colours between its stops."""
+    def build(tree):
+        node = add_node(tree, "ShaderNodeValToRGB")
+        node.color_ramp.interpolation = interpolation
+        node.color_ramp.elements.new(0.6).color = (0.9, 0.3, 0.1, 0.5)
+        node.color_ramp.elements[0].position = 0.2
+        tree.links.new(slope(tree, -0.2, 1.2), node.inputs[0])
+        return node.outputs["Color"]
+    assert_node_as_cycles(scene, warned, build)
+
+
+@pytest.mark.parametrize("kind", ["ShaderNodeRGBCurve", "ShaderNodeFloatCurve"])
+def test_curves(scene, warned, kind):
+    """Roughness through curves would be another."""
+    def build(tree):
+        node = add_node(tree, kind)
+        node.mapping.curves[0].points.new(0.4, 0.8)
+        node.mapping.curves[-1].points.new(0.6, 0.3)
+        node.inputs[0].default_value = 0.8
+        tree.links.new(slope(tree, -0.3, 1.3), node.inputs[1])
+        return node.outputs[0]
+    assert_node_as_cycles(scene, warned, build, 0.004)
+
+
+BLENDS = ['MIX', 'DARKEN', 'MULTIPLY', 'BURN', 'LIGHTEN', 'SCREEN', 'DODGE', 'ADD', 'OVERLAY', 'SOFT_LIGHT',
+          'LINEAR_LIGHT', 'DIFFERENCE', 'SUBTRACT', 'DIVIDE']
+
+
+@pytest.mark.parametrize("kind", ["ShaderNodeMixRGB", "ShaderNodeMix"])
+@pytest.mark.parametrize("blend", BLENDS)
+def test_mix_of_colors(scene, warned, kind, blend):
+    """Textures that are mixed would give another roughness."""
+    def build(tree):
+        node = add_node(tree, kind, blend_type=blend)
+        if kind == "ShaderNodeMix":
+            node.data_type, node.clamp_result = 'RGBA', blend == 'ADD'
+        inputs = [socket for socket in node.inputs if socket.enabled]
+        inputs[0].default_value = 0.7
+        inputs[2].default_value = (0.6, 0.2, 0.8, 1.0)
+        tree.links.new(slope(tree, 0.05, 1.0), inputs[1])
+        return next(output for output in node.outputs if output.enabled)
+    assert_node_as_cycles(scene, warned, build)
+
+
+@pytest.mark.parametrize("data_type, mode", [('FLOAT', 'UNIFORM'), ('VECTOR', 'UNIFORM'),
+                                             ('VECTOR', 'NON_UNIFORM')])
+def test_mix_of_values(scene, warned, data_type, mode):
+    """As test_mix_of_colors, of numbers and vectors."""
+    def build(tree):
+        node = add_node(tree, "ShaderNodeMix", data_type=data_type, factor_mode=mode)
+        inputs = [socket for socket in node.inputs if socket.enabled]
+        tree.links.new(slope(tree, -0.2, 1.2), inputs[0])
+        inputs[2].default_value = 0.8 if data_type == 'FLOAT' else (0.2, 0.9, 0.6)
+        return next(output for output in node.outputs if output.enabled)
+    assert_node_as_cycles(scene, warned, build)
+
+
+@pytest.mark.parametrize("kind, values", [
+    ("ShaderNodeInvert", {"Fac": 0.8}),
+    ("ShaderNodeGamma", {"Gamma": 2.2}),
+    ("ShaderNodeBrightContrast", {"Bright": 0.2, "Contrast": 0.4}),
+    ("ShaderNodeRGBToBW", {}),
+    ("ShaderNodeClamp", {"Min": 0.3, "Max": 0.5}),
+    ("ShaderNodeClamp", {"Min": 0.6, "Max": 0.2, "clamp_type": 'RANGE'}),
+    ("ShaderNodeSeparateColor", {"output": 1}),
+    ("ShaderNodeSeparateXYZ", {"output": 2}),
+])
+def test_converters(scene, warned, kind, values):
+    """A converter between texture and roughness would do something else."""
+    def build(tree):
+        node = add_node(tree, kind, **{key: value for key, value in values.items() if key != "output"})
+        color = link(tree, "ShaderNodeCombineColor", {0: slope(tree, 0.0, 1.0)}, Green=0.4, Blue=0.7)
+        color = link(tree, "ShaderNodeMixRGB", {0: slope(tree, 0.0, 1.0), 1: color})
+        tree.links.new(color, next(s for s in node.inputs if s.name in {"Color", "Value", "Vector"}))
+        return node.outputs[values.get("output", 0)]
+    assert_node_as_cycles(scene, warned, build, 0.004)
+
+
+def paint_colors(plane, name="Frost", domain='CORNER', data_type='FLOAT_COLOR') -> None:
+    attribute = plane.data.attributes.new(name, data_type, domain)
+    width = {'FLOAT': 1, 'FLOAT_VECTOR': 3}.get(data_type, 4)
+    values = np.random.default_rng(3).uniform(0.1, 0.9, len(attribute.data) * width)
+    attribute.data.foreach_set({1: "value", 3: "vector", 4: "color"}[width], values)
+
+
+@pytest.mark.parametrize("domain", ['CORNER', 'POINT', 'FACE'])
+@pytest.mark.parametrize("data_type", ['FLOAT_COLOR', 'BYTE_COLOR', 'FLOAT', 'FLOAT_VECTOR'])
+@pytest.mark.parametrize("output", ["Color", "Fac", "Vector"])
+def test_attribute(scene, warned, domain, data_type, output):
+    """Roughness painted on vertices, or made by geometry nodes, would be missing or another."""
+    if domain == 'FACE' and data_type == 'BYTE_COLOR':
+        pytest.skip("Blender has none")
+    plane = add_plane(textured(lambda tree: add_node(
+        tree, "ShaderNodeAttribute", attribute_name="Frost").outputs[output]), cells=3)
+    paint_colors(plane, "Frost", domain, data_type)
+    assert_as_cycles(scene, plane, warned, 0.003)
+
+
+@pytest.mark.parametrize("layer", ["", "Frost"])
+def test_color_attribute_through_a_ramp(scene, warned, layer):
+    """Steps that a ramp makes of painted colours would be smeared over whole faces."""
+    def build(tree):
+        node = add_node(tree, "ShaderNodeVertexColor", layer_name=layer)
+        ramp = link(tree, "ShaderNodeValToRGB", {0: node.outputs["Color"]})
+        ramp.node.color_ramp.elements[0].position, ramp.node.color_ramp.elements[1].position = 0.45, 0.5
+        return ramp
+    plane = add_plane(textured(build), cells=2)
+    paint_colors(plane)
+    assert_as_cycles(scene, plane, warned, 0.02, share=0.99)
+
+
+def procedural(kind: str, coordinates: str | None = None, output: str | int = 0, **values):
+    """Builds a texture that is calculated."""
+    def build(tree):
+        node = add_node(tree, kind, **values)
+        if coordinates is not None:
+            tree.links.new(add_node(tree, "ShaderNodeTexCoord").outputs[coordinates], node.inputs["Vector"])
+        return node.outputs[output]
+    return build
+
+
+WAVES = [{"wave_type": 'BANDS', "bands_direction": direction, "wave_profile": profile}
+         for direction, profile in (('X', 'SIN'), ('Y', 'SAW'), ('DIAGONAL', 'TRI'))]
+WAVES += [{"wave_type": 'RINGS', "rings_direction": direction, "Distortion": 2.0}
+          for direction in ('Y', 'SPHERICAL')]
+
+
+@pytest.mark.parametrize("build, share", [
+    *((procedural("ShaderNodeTexGradient", coordinates, gradient_type=kind), 0.99)
+      for kind, coordinates in (('LINEAR', "Generated"), ('QUADRATIC', "Object"), ('EASING', "UV"),
+                                ('DIAGONAL', None), ('RADIAL', "Object"), ('QUADRATIC_SPHERE', "Object"),
+                                ('SPHERICAL', "Object"))),
+    *((procedural("ShaderNodeTexWave", "UV", Scale=0.5, **values), 0.95) for values in WAVES),
+    (procedural("ShaderNodeTexChecker", Scale=3.3), 0.9),
+    (procedural("ShaderNodeTexChecker", "UV", "Fac", Scale=3.3), 0.9),
+    (procedural("ShaderNodeTexMagic", "Object", turbulence_depth=0), 0.95),
+    *((procedural("ShaderNodeTexMagic", "UV", "Fac", turbulence_depth=depth, Distortion=1.2, Scale=1.5), 0.95)
+      for depth in (2, 10)),
+    (procedural("ShaderNodeTexNoise", "Object", Scale=2.0, Detail=0.0), 0.99),
+    (procedural("ShaderNodeTexNoise", "Object", "Color", Scale=1.5, Detail=2.5, Roughness=0.6), 0.99),
+    (procedural("ShaderNodeTexNoise", "UV", Scale=3.0, Detail=1.0, Distortion=0.7), 0.97),
+    (procedural("ShaderNodeTexNoise", "UV", "Color", noise_dimensions='2D', Scale=3.0, Distortion=0.3), 0.97),
+    (procedural("ShaderNodeTexBrick", "UV", Scale=1.7, offset=0.3, squash=0.8, Mortar_Smooth=0.4), 0.9),
+    (procedural("ShaderNodeTexBrick", None, "Fac", Scale=1.7, offset_frequency=3, squash_frequency=3), 0.9),
+])
+def test_procedural(scene, warned, build, share):
+    """Textures that Blender calculates would be missing, or other ones than in Cycles. Edges are blurred by a
+    texel of the baked texture."""
+    assert_as_cycles(scene, add_plane(textured(build), cells=2), warned, 0.02, share)
+
+
+@pytest.mark.parametrize("projection", ['BOX', 'SPHERE', 'TUBE'])
+def test_projection(scene, warned, projection):
+    """Images that are projected onto the object would lie elsewhere."""
+    def build(tree):
+        vector = add_node(tree, "ShaderNodeTexCoord").outputs["Generated"]
+        moved = link(tree, "ShaderNodeMapping", {0: vector}, Location=(0.1, 0.2, 0.3),
+                     Rotation=(0.3, 0.5, 0.2))
+        return add_image(tree, noise_image(), moved, projection=projection, projection_blend=0.3).outputs[0]
+    plane = add_plane(textured(build), cells=2)
+    plane.data.vertices[4].co.z = 0.9  # so that sides blend
+    for polygon in plane.data.polygons:
+        polygon.use_smooth = True
+    assert_as_cycles(scene, plane, warned, 0.02, 0.95)
+
+
+def test_two_images_with_mappings_of_their_own(scene, warned):
+    """A mask over a pattern, each repeated in its own way, would show one of them only."""
+    def build(tree):
+        images = [add_image(tree, noise_image(), mapped(tree, 'POINT', Scale=(scale, scale, 1))).outputs[0]
+                  for scale in (0.8, 1.7)]
+        return link(tree, "ShaderNodeMixRGB", {1: images[0], 2: images[1]}, blend_type='MULTIPLY', Fac=1.0)
+    assert_as_cycles(scene, add_plane(textured(build)), warned, 0.02, 0.98)
+
+
+def test_two_uv_maps(scene, warned):
+    """An image on another than the active UV map would lie elsewhere."""
+    def build(tree):
+        return add_image(tree, noise_image(),
+                         add_node(tree, "ShaderNodeUVMap", uv_map="Other").outputs[0]).outputs[0]
+    plane = add_plane(textured(build))
+    set_uvs(plane.data, "Other", (0.2, 0.6))
+    assert_as_cycles(scene, plane, warned, 0.002)
+
+
+def test_group_with_a_texture(scene, warned):
+    """Textures within node groups would be ignored."""
+    group = new_group('ShaderNodeTree', {"Vector": 'NodeSocketVector', "Most": 'NodeSocketFloat'},
+                      {"Value": 'NodeSocketFloat'})
+    ends = node_of(group, "NodeGroupInput"), node_of(group, "NodeGroupOutput")
+    image = add_image(group, noise_image(), ends[0].outputs["Vector"]).outputs[0]
+    product = link(group, "ShaderNodeMath", {0: image, 1: ends[0].outputs["Most"]}, operation='MULTIPLY')
+    group.links.new(product, ends[1].inputs["Value"])
+
+    def build(tree):
+        node = tree.nodes.new("ShaderNodeGroup")
+        node.node_tree = group
+        node.inputs["Most"].default_value = 0.6
+        tree.links.new(mapped(tree, 'POINT', Scale=(2, 1, 1)), node.inputs["Vector"])
+        return node.outputs[0]
+    assert_as_cycles(scene, add_plane(textured(build)), warned, 0.002)
