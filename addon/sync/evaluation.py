@@ -129,7 +129,10 @@ def _image_texture(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
 
     def evaluate(points: Points) -> np.ndarray:
         color = operations.unassociated(rgba(points)) if is_separated else rgba(points)[:, :3]
-        return images.linear_from_srgb(color) if image.picture.is_srgb else color
+        if not image.picture.is_srgb:
+            return color
+        are_bytes = image.is_at_texels(points) and not is_separated
+        return images.linear_from_srgb_bytes(color) if are_bytes else images.linear_from_srgb(color)
     return evaluate
 
 
@@ -180,9 +183,9 @@ def _placed(reader: Reader, image: Image, placement: Placement,
     def evaluate(points: Points) -> np.ndarray:
         if points.image_uv is None:
             return look_up(placement.apply(points.leaf(('UV', placement.uv_map))))
-        if points.texels_of == image.size:
-            return image.picture.rgba.reshape(-1, 4)
-        return look_up(points.image_uv)
+        if image.is_at_texels(points):
+            return image.picture.rgba[points.texels.rows].reshape(-1, 4)
+        return look_up(points.image_uv())
     return evaluate
 
 

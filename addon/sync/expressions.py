@@ -54,18 +54,27 @@ class Image(NamedTuple):
         height, width = self.picture.rgba.shape[:2]
         return width, height
 
+    def is_at_texels(self, points: "Points") -> bool:
+        return points.texels is not None and points.texels.size == self.size
+
+
+class Texels(NamedTuple):
+    size: tuple[int, int]
+    """width, height"""
+    rows: slice
+
 
 class Points:
     """Where an expression is evaluated."""
 
     def __init__(self, leaves: dict[Leaf, np.ndarray] | Callable[[Leaf], np.ndarray],
-                 image_uv: np.ndarray | None = None, texels_of: tuple[int, int] | None = None):
-        """leaves: their values, or a function that gives them. image_uv: (N, 2), what all placed images are
-        looked up at, in place of their placement of a UV map. texels_of: width and height of images of which
-        these are all centres of texels, row by row."""
+                 image_uv: Callable[[], np.ndarray] | None = None, texels: Texels | None = None):
+        """leaves: their values, or a function that gives them. image_uv: gives (N, 2), what all placed images
+        are looked up at, in place of their placement of a UV map. texels: of images of this size, these are
+        the centres of these rows."""
         self._leaf = leaves.__getitem__ if isinstance(leaves, dict) else leaves
         self.image_uv = image_uv
-        self.texels_of = texels_of
+        self.texels = texels
         self.known: dict[Hashable, np.ndarray] = {}
         """values of outputs that have been evaluated"""
 

@@ -96,11 +96,9 @@ def _pixels(image: bpy.types.Image) -> np.ndarray:
 
 
 def _picture_of(key: Hashable, pixels: np.ndarray, image: bpy.types.Image) -> Picture:
-    channels = pixels.shape[2]
-    rgba = np.ones((*pixels.shape[:2], 4), np.float32)
-    rgba[..., :3] = pixels[..., :3] if channels >= 3 else pixels[..., :1]
-    if channels in {2, 4} and image.alpha_mode != 'NONE':
-        rgba[..., 3] = pixels[..., -1]
+    rgba = _with_four_channels(pixels)
+    if image.alpha_mode == 'NONE':
+        rgba[..., 3] = 1.0
     space = image.colorspace_settings.name
     is_srgb = space == 'sRGB' and not image.is_float
     if not (image.is_float or is_srgb or space in compat.LINEAR_COLOR_SPACES):
@@ -108,9 +106,20 @@ def _picture_of(key: Hashable, pixels: np.ndarray, image: bpy.types.Image) -> Pi
             raise Unreadable(f"has an image in the color space '{space}', which isn't supported yet")
         rgba[..., :3] = rgba[..., :3] @ _matrix_of(space).T
     is_associated = not (image.colorspace_settings.is_data or image.alpha_mode in {'NONE', 'CHANNEL_PACKED'})
-    if is_associated and not image.is_float:
+    if is_associated and not image.is_float and rgba[..., 3].min() < 1.0:
         rgba[..., :3] *= rgba[..., 3:]
     return Picture(key, rgba, is_srgb, is_associated)
+
+
+def _with_four_channels(pixels: np.ndarray) -> np.ndarray:
+    channels = pixels.shape[2]
+    if channels == 4:
+        return pixels
+    rgba = np.ones((*pixels.shape[:2], 4), np.float32)
+    rgba[..., :3] = pixels[..., :3] if channels == 3 else pixels[..., :1]
+    if channels == 2:
+        rgba[..., 3] = pixels[..., 1]
+    return rgba
 
 
 def _matrix_of(space: str) -> np.ndarray:
@@ -122,6 +131,14 @@ def _matrix_of(space: str) -> np.ndarray:
 
 def linear_from_srgb(values: np.ndarray) -> np.ndarray:
     return np.where(values <= 0.04045, values / 12.92, ((np.maximum(values, 0.0) + 0.055) / 1.055) ** 2.4)
+
+
+def linear_from_srgb_bytes(values: np.ndarray) -> np.ndarray:
+    """values: multiples of 1/255 within 0 … 1, or their products with such, to the nearest."""
+    return _SRGB_TABLE[(values * np.float32(255.0) + np.float32(0.5)).astype(np.uint8)]
+
+
+_SRGB_TABLE = linear_from_srgb(np.arange(256, dtype=np.float32) / np.float32(255.0)).astype(np.float32)
 
 
 # Look-ups

@@ -10,7 +10,7 @@ import numpy as np
 from .. import verglas_core as core
 from . import atlas
 from .cache import Cache
-from .expressions import NUMBERS, Expression, Leaf, Points
+from .expressions import NUMBERS, Expression, Leaf, Points, Texels
 from .meshes import Surface
 
 TABLE_ENTRIES = 1024
@@ -31,15 +31,18 @@ class Painting(NamedTuple):
 
 
 _textures = Cache()
+_paintings = Cache()
 
 
 def sweep() -> None:
-    """Forgets textures that weren't asked for since the last sweep."""
+    """Forgets what wasn't asked for since the last sweep."""
     _textures.sweep()
+    _paintings.sweep()
 
 
 def clear() -> None:
     _textures.clear()
+    _paintings.clear()
 
 
 def paint(expression: Expression, surface: Surface, resolution: int) -> Painting:
@@ -78,7 +81,7 @@ def _of_images(expression: Expression, surface: Surface) -> Painting:
     uvs = (uvs - lower) / (upper - lower)
     texture = _texture(
         ("images", expression.key, fine), surface.name,
-        lambda: _at_texels(expression, lower, upper, (width * fine, height * fine), fine == 1),
+        lambda: _at_texels(expression, lower, upper, (width * fine, height * fine)),
         'REPEAT' if extension in {'REPEAT', 'MIRROR'} else 'EXTEND', 'CLOSEST' if is_closest else 'LINEAR')
     return Painting(texture, uvs.astype(np.float32))
 
@@ -97,21 +100,25 @@ def _range_of(extension: str, is_cubic: bool, width: int, height: int) -> tuple[
     return -border, 1.0 + border
 
 
-def _at_texels(expression: Expression, lower: np.ndarray, upper: np.ndarray, texels: tuple[int, int],
-               is_image: bool) -> np.ndarray:
+def _at_texels(expression: Expression, lower: np.ndarray, upper: np.ndarray,
+               texels: tuple[int, int]) -> np.ndarray:
     """(H, W): the expression at the texels' centres. texels: for coordinates 0 … 1."""
-    size = np.rint((upper - lower) * texels).astype(int)
-    x, y = (lower[i] + (np.arange(size[i]) + 0.5) / size[i] * (upper[i] - lower[i]) for i in range(2))
-    rows = max(1, CHUNK // size[0])
-    if is_image and tuple(size) == texels:
-        rows = size[1]
-    parts = []
-    for first in range(0, size[1], rows):
-        v, u = np.meshgrid(y[first:first + rows], x, indexing='ij')
-        uv = np.stack([u.ravel(), v.ravel()], axis=-1)
-        points = Points({}, uv, texels if len(uv) == texels[0] * texels[1] else None)
-        parts.append(np.broadcast_to(expression.evaluate(points), len(uv)))
-    return np.concatenate(parts).reshape(size[1], size[0])
+    width, height = np.rint((upper - lower) * texels).astype(int).tolist()
+    x, y = (lower[i] + (np.arange(size) + 0.5) / size * (upper[i] - lower[i])
+            for i, size in enumerate((width, height)))
+    values = np.empty((height, width), np.float32)
+    step = max(1, CHUNK // width)
+    for first in range(0, height, step):
+        rows = slice(first, min(first + step, height))
+        points = Points({}, lambda rows=rows: _grid(x, y[rows]),
+                        Texels(texels, rows) if (width, height) == texels else None)
+        values[rows] = np.reshape(expression.evaluate(points), (-1, width))
+    return values
+
+
+def _grid(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(N, 2), row by row."""
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
 
 
 # One quantity of the mesh
@@ -119,22 +126,19 @@ def _at_texels(expression: Expression, lower: np.ndarray, upper: np.ndarray, tex
 def _of_one_quantity(expression: Expression, surface: Surface, leaf: Leaf) -> Painting:
     """A table over the quantity: exact wherever it lies between the corners' values."""
     values = surface.corner_values(leaf)
-    lower, upper = float(values.min(initial=np.inf)), float(values.max(initial=-np.inf))
-    return _by_table(("quantity", expression.key), surface, values, lower, upper, TABLE_ENTRIES,
-                     lambda entries: expression.evaluate(Points({leaf: entries})))
-
-
-def _by_table(key, surface: Surface, values: np.ndarray, lower: float, upper: float, count: int,
-              evaluate: Callable[[np.ndarray], np.ndarray]) -> Painting:
-    """values: (T, 3) of the corners, lower … upper."""
-    span = max(upper - lower, 1e-12)
-    place = (values - lower) / span * (count - 1) + 0.5
-    uvs = np.stack([place / count, np.full_like(place, 0.5)], axis=-1)
+    lower, upper = float(values.min()), float(values.max())
 
     def entries() -> np.ndarray:
-        inputs = (lower + np.linspace(0.0, span, count)).astype(np.float32)
-        return np.broadcast_to(evaluate(inputs), count)[None]
-    return Painting(_texture((key, lower, upper), surface.name, entries, 'EXTEND'), uvs.astype(np.float32))
+        inputs = np.linspace(lower, upper, TABLE_ENTRIES, dtype=np.float32)
+        return np.broadcast_to(expression.evaluate(Points({leaf: inputs})), TABLE_ENTRIES)[None]
+    texture = _texture(("quantity", expression.key, lower, upper), surface.name, entries, 'EXTEND')
+    return Painting(texture, _table_uvs(values, lower, upper, TABLE_ENTRIES))
+
+
+def _table_uvs(values: np.ndarray, lower: float, upper: float, count: int) -> np.ndarray:
+    """(T, 3, 2) where a table of count entries, lower … upper, has the corners' values (T, 3)."""
+    place = (values - lower) / max(upper - lower, 1e-12) * (count - 1) + 0.5
+    return np.stack([place / count, np.full_like(place, 0.5)], axis=-1).astype(np.float32)
 
 
 # Anything else
@@ -146,21 +150,27 @@ def _baked(expression: Expression, surface: Surface, resolution: int) -> Paintin
     sums = tuple(zlib.crc32(np.ascontiguousarray(surface.corner_values(leaf))) for leaf in sorted(needed))
     corners = surface.corner_values(('OBJECT', ''))
     key = ("baked", expression.key, resolution, sums, zlib.crc32(np.ascontiguousarray(corners)))
-    triangle_count = len(corners)
-    if not atlas.fits(triangle_count, resolution):
-        every_corner = np.tile(np.eye(3, dtype=np.float32), (triangle_count, 1))
-        values = _evaluated(expression, surface, np.repeat(np.arange(triangle_count), 3), every_corner)
-        lower, upper = float(values.min()), float(values.max())
-        return _by_table(key, surface, values.reshape(-1, 3), lower, upper, 2, lambda entries: entries)
-    laid_out = atlas.lay_out(corners, resolution)
+    bake = _at_atlas if atlas.fits(len(corners), resolution) else _at_corners
+    return _paintings.get(key, lambda: bake(expression, surface, resolution))
 
-    def bake() -> np.ndarray:
-        values = np.full(resolution * resolution, np.nan, np.float32)
-        for texels in laid_out.texels:
-            values[texels.index] = _evaluated(expression, surface, texels.triangle, texels.weights)
-        mean = np.nanmean(values)  # for the texels between, so that the texture's own mean is the surface's
-        return np.nan_to_num(values, nan=mean).reshape(resolution, resolution)
-    return Painting(_texture(key, surface.name, bake, 'EXTEND'), laid_out.uvs)
+
+def _at_atlas(expression: Expression, surface: Surface, resolution: int) -> Painting:
+    laid_out = atlas.lay_out(surface.corner_values(('OBJECT', '')), resolution)
+    values = np.full(resolution * resolution, np.nan, np.float32)
+    for texels in laid_out.texels:
+        values[texels.index] = _evaluated(expression, surface, texels.triangle, texels.weights)
+    mean = np.nanmean(values)  # for the texels between, so that the texture's own mean is the surface's
+    values = np.nan_to_num(values, nan=mean, posinf=1.0, neginf=0.0).reshape(resolution, resolution)
+    return Painting(core.Texture(surface.name, values, 'EXTEND'), laid_out.uvs)
+
+
+def _at_corners(expression: Expression, surface: Surface, resolution: int) -> Painting:
+    count = len(surface.corner_values(('OBJECT', '')))
+    values = np.nan_to_num(_evaluated(expression, surface, np.repeat(np.arange(count), 3),
+                                      np.tile(np.eye(3, dtype=np.float32), (count, 1))), posinf=1.0, neginf=0.0)
+    lower, upper = float(values.min()), float(values.max())
+    uvs = _table_uvs(values.reshape(-1, 3), lower, upper, 2)
+    return Painting(core.Texture(surface.name, np.array([[lower, upper]], np.float32), 'EXTEND'), uvs)
 
 
 def _evaluated(expression: Expression, surface: Surface, triangle: np.ndarray,

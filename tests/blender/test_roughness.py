@@ -4,8 +4,13 @@
 import bpy
 import numpy as np
 import pytest
-from scenes import add_node, new_group, node_of
-from textures import add_image, add_plane, link, new_image, of_cycles, of_verglas, set_uvs, textured
+from scenes import add, add_node, add_sphere, new_group, new_material, node_of, render, set_map
+from textures import (
+    add_image, add_plane, link, new_image, of_cycles, of_verglas, set_uvs, texture_of, textured,
+)
+from verglas import faults, sync
+from verglas import verglas_core as core
+from verglas.sync import images, materials, meshes
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -368,3 +373,172 @@ def test_group_with_a_texture(scene, warned):
         tree.links.new(mapped(tree, 'POINT', Scale=(2, 1, 1)), node.inputs["Vector"])
         return node.outputs[0]
     assert_as_cycles(scene, add_plane(textured(build)), warned, 0.002)
+
+
+# Changes
+
+@pytest.fixture
+def painted(scene, monkeypatch):
+    """A sphere with a painted image, and what has been read and made of meshes since: names."""
+    log = []
+    real_read, real_mesh = meshes.read, core.Mesh
+    monkeypatch.setattr(meshes, "read", lambda evaluated: log.append("read") or real_read(evaluated))
+    monkeypatch.setattr(core, "Mesh", lambda *arguments: log.append("Mesh") or real_mesh(*arguments))
+    image = new_image(np.full((4, 4, 3), 0.25, np.float32))
+    sphere = add_sphere(textured(lambda tree: add_image(tree, image).outputs[0]))
+    return image, sphere, log
+
+
+def synchronised(warn=None) -> core.Scene:
+    """As the viewport has it."""
+    bpy.context.view_layer.update()
+    return sync.scene_from(bpy.context.evaluated_depsgraph_get(), warn)
+
+
+def value_of(scene: core.Scene) -> float:
+    """The texture's, where all texels have the same."""
+    return float(texture_of(scene).sample([(0.4, 0.6)])[0])
+
+
+def paint(image: bpy.types.Image, value: float) -> None:
+    """As Blender's brushes do, which tell the depsgraph of it."""
+    image.pixels.foreach_set(np.full(len(image.pixels), value, np.float32))
+    image.update_tag()
+
+
+def test_painting_reaches_the_next_frame_without_the_mesh(painted):
+    """While an artist paints frost, each stroke would export the mesh again, or not be seen."""
+    image, _, log = painted
+    first = synchronised()
+    assert value_of(first) == pytest.approx(0.25) and log == ["read", "Mesh"]
+    paint(image, 0.75)
+    assert value_of(synchronised()) == pytest.approx(0.75)
+    assert log == ["read", "Mesh"]
+
+
+def test_an_unchanged_image_is_not_read_again(painted, monkeypatch):
+    """Each change of anything in the scene would read all images again, for seconds with large ones."""
+    texture = texture_of(synchronised())
+    monkeypatch.setattr(images, "_pixels", lambda image: pytest.fail("read again"))
+    painted[1].location.x += 1.0
+    assert texture_of(synchronised()) is texture
+
+
+def test_a_deformed_mesh_is_read_again(painted):
+    """The viewport would show an object's old shape."""
+    _, sphere, log = painted
+    synchronised()
+    sphere.data.vertices[0].co.z += 0.5
+    sphere.data.update()
+    synchronised()
+    assert log == ["read", "Mesh"] * 2
+
+
+def test_a_changed_node_reaches_the_next_frame(painted):
+    """A slider between texture and roughness would have no effect."""
+    _, sphere, log = painted
+    tree = sphere.data.materials[0].node_tree
+    image = node_of(tree, "ShaderNodeTexImage").outputs[0]
+    half = link(tree, "ShaderNodeMath", {0: image}, operation='MULTIPLY')
+    tree.links.new(half, node_of(tree, "ShaderNodeBsdfGlass").inputs["Roughness"])
+    for factor in (0.5, 2.0):
+        half.node.inputs[1].default_value = factor
+        assert value_of(synchronised()) == pytest.approx(0.25 * factor)
+    assert log == ["read", "Mesh"]
+
+
+def test_pixels_that_a_script_writes_reach_the_final_frame(scene, painted):
+    """Images that scripts make would be rendered as they were before."""
+    image, _, _ = painted
+    scene.verglas.device = 'CPU'
+    set_map(scene)
+    before = render(scene).rgb
+    image.pixels.foreach_set(np.full(len(image.pixels), 0.9, np.float32))
+    after = render(scene).rgb
+    assert np.abs(after - before).max() > 0.01
+
+
+# What can't be read
+
+def test_missing_file_is_named(scene, warned):
+    """A picture with a wrong path would give another roughness without a word."""
+    def build(tree):
+        node = add_image(tree, new_image(np.ones((2, 2, 3))))
+        node.image.source, node.image.filepath = 'FILE', "//gone.png"
+        return node.outputs[0]
+    glass = materials.from_blender(textured(build, roughness=0.45), warned.append)
+    assert glass.roughness == pytest.approx(0.45) and glass.roughness_map is None
+    assert len(warned) == 1
+    assert all(name in warned[0] for name in ("Material 'Ice'", "Image Texture", "Frost", "gone.png"))
+
+
+@pytest.mark.parametrize("build, node", [
+    (procedural("ShaderNodeTexImage"), "Image Texture"),
+    (procedural("ShaderNodeTexVoronoi"), "Voronoi Texture"),
+    (procedural("ShaderNodeTexNoise", noise_dimensions='4D'), "Noise Texture"),
+    (procedural("ShaderNodeTexChecker", "Window"), "Texture Coordinate"),
+    (image_chain(("ShaderNodeSeparateColor", {"mode": 'HSV'})), "Separate Color"),
+])
+def test_what_cannot_be_read_is_named(scene, warned, build, node):
+    """Frost would be missing with no word of which node is at fault."""
+    glass = materials.from_blender(textured(build, roughness=0.45), warned.append)
+    assert glass.roughness == pytest.approx(0.45) and glass.roughness_map is None
+    assert len(warned) == 1 and "Material 'Ice'" in warned[0] and f"'{node}'" in warned[0]
+
+
+def test_nodes_that_feed_themselves(scene, warned):
+    """A loop of nodes would hang the render."""
+    def build(tree):
+        first, second = (add_node(tree, "ShaderNodeMath") for _ in range(2))
+        tree.links.new(first.outputs[0], second.inputs[0])
+        tree.links.new(second.outputs[0], first.inputs[0])
+        return second.outputs[0]
+    materials.from_blender(textured(build), warned.append)
+    assert len(warned) <= 1
+
+
+def test_mesh_without_uv_map_is_named(scene, warned):
+    """A texture would be one value all over with no word of why."""
+    plane = add_plane(textured(lambda tree: add_image(tree, noise_image()).outputs[0]))
+    plane.data.uv_layers.remove(plane.data.uv_layers[0])
+    ours, truth = of_verglas(plane, warned.append), of_cycles(scene, plane)
+    assert np.abs(ours - truth).max() < 0.003
+    assert len(warned) == 1 and "'Plane'" in warned[0] and "UV map" in warned[0]
+
+
+def test_missing_attribute_is_named(scene, warned):
+    """As without a UV map."""
+    plane = add_plane(textured(procedural("ShaderNodeVertexColor", layer_name="Gone")))
+    assert of_verglas(plane, warned.append) == pytest.approx(0.0)
+    assert len(warned) == 1 and "'Plane'" in warned[0] and "'Gone'" in warned[0]
+
+
+def test_constants_through_nodes(scene, warned):
+    """Numbers that are calculated would be ignored."""
+    def build(tree):
+        value = add_node(tree, "ShaderNodeValue")
+        value.outputs[0].default_value = 0.7
+        return link(tree, "ShaderNodeMath", {0: value.outputs[0]}, operation='COSINE')
+    glass = materials.from_blender(textured(build), warned.append)
+    assert glass.roughness == pytest.approx(np.cos(0.7))
+    assert glass.roughness_map is None and warned == []
+
+
+# Whole pictures
+
+def test_objects_that_share_a_mesh(scene):
+    """They would show each other's frost."""
+    scene.verglas.device = 'CPU'
+    set_map(scene)
+    clear, rough = (new_image(np.full((2, 2, 3), value, np.float32)) for value in (0.05, 0.9))
+    sphere = add_sphere(textured(lambda tree: add_image(tree, clear).outputs[0]), radius=0.8,
+                        location=(-1.0, 0.0, 0.0))
+    other = add(sphere.data, "Other", location=(1.0, 0.0, 0.0))
+    other.material_slots[0].link = 'OBJECT'
+    other.material_slots[0].material = textured(lambda tree: add_image(tree, rough).outputs[0])
+    mixed = render(scene).rgb
+    for obj, value in ((sphere, 0.05), (other, 0.9)):
+        obj.material_slots[0].link = 'OBJECT'
+        obj.material_slots[0].material = new_material(Roughness=value)
+    assert np.abs(mixed - render(scene).rgb).max() < 0.01
+    assert faults.warnings() == ()
