@@ -60,8 +60,7 @@ def paint(expression: Expression, surface: Surface, resolution: int) -> Painting
 def _texture(key, name: str, make: Callable[[], np.ndarray], extension: str,
              interpolation: str = 'LINEAR') -> core.Texture:
     def made() -> core.Texture:
-        values = np.nan_to_num(make(), posinf=1.0, neginf=0.0)
-        return core.Texture(name, values, extension, interpolation)
+        return core.Texture(name, make(), extension, interpolation)
     return _textures.get((key, extension, interpolation), made)
 
 
@@ -112,7 +111,7 @@ def _at_texels(expression: Expression, lower: np.ndarray, upper: np.ndarray,
         rows = slice(first, min(first + step, height))
         points = Points({}, lambda rows=rows: _grid(x, y[rows]),
                         Texels(texels, rows) if (width, height) == texels else None)
-        values[rows] = np.reshape(expression.evaluate(points), (-1, width))
+        values[rows] = np.reshape(_finite(expression.evaluate(points)), (-1, width))
     return values
 
 
@@ -130,7 +129,7 @@ def _of_one_quantity(expression: Expression, surface: Surface, leaf: Leaf) -> Pa
 
     def entries() -> np.ndarray:
         inputs = np.linspace(lower, upper, TABLE_ENTRIES, dtype=np.float32)
-        return np.broadcast_to(expression.evaluate(Points({leaf: inputs})), TABLE_ENTRIES)[None]
+        return np.broadcast_to(_finite(expression.evaluate(Points({leaf: inputs}))), TABLE_ENTRIES)[None]
     texture = _texture(("quantity", expression.key, lower, upper), surface.name, entries, 'EXTEND')
     return Painting(texture, _table_uvs(values, lower, upper, TABLE_ENTRIES))
 
@@ -160,14 +159,14 @@ def _at_atlas(expression: Expression, surface: Surface, resolution: int) -> Pain
     for texels in laid_out.texels:
         values[texels.index] = _evaluated(expression, surface, texels.triangle, texels.weights)
     mean = np.nanmean(values)  # for the texels between, so that the texture's own mean is the surface's
-    values = np.nan_to_num(values, nan=mean, posinf=1.0, neginf=0.0).reshape(resolution, resolution)
+    values = np.where(np.isnan(values), mean, values).reshape(resolution, resolution)
     return Painting(core.Texture(surface.name, values, 'EXTEND'), laid_out.uvs)
 
 
 def _at_corners(expression: Expression, surface: Surface, resolution: int) -> Painting:
     count = len(surface.corner_values(('OBJECT', '')))
-    values = np.nan_to_num(_evaluated(expression, surface, np.repeat(np.arange(count), 3),
-                                      np.tile(np.eye(3, dtype=np.float32), (count, 1))), posinf=1.0, neginf=0.0)
+    values = _evaluated(expression, surface, np.repeat(np.arange(count), 3),
+                        np.tile(np.eye(3, dtype=np.float32), (count, 1)))
     lower, upper = float(values.min()), float(values.max())
     uvs = _table_uvs(values.reshape(-1, 3), lower, upper, 2)
     return Painting(core.Texture(surface.name, np.array([[lower, upper]], np.float32), 'EXTEND'), uvs)
@@ -180,5 +179,9 @@ def _evaluated(expression: Expression, surface: Surface, triangle: np.ndarray,
     for first in range(0, len(triangle), CHUNK):
         part = slice(first, first + CHUNK)
         points = Points(lambda leaf, part=part: surface.at(leaf, triangle[part], weights[part]))
-        parts.append(np.broadcast_to(expression.evaluate(points), len(triangle[part])))
+        parts.append(np.broadcast_to(_finite(expression.evaluate(points)), len(triangle[part])))
     return np.concatenate(parts) if parts else np.zeros(0, np.float32)
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    return np.nan_to_num(values, posinf=1.0, neginf=0.0)
