@@ -95,8 +95,7 @@ def _placement(reader: Reader, found: nodes.Input) -> Placement | None:
         uv_map = '' if is_default else None
     if uv_map is None:
         return None
-    rows = matrix[:2][:, [0, 1, 3]]
-    return Placement(uv_map, tuple(tuple(float(x) for x in row) for row in rows))
+    return Placement.of_matrix(uv_map, matrix)
 
 
 def _matrix_of(mapping: Reader) -> np.ndarray | None:
@@ -140,14 +139,12 @@ def _image_of(reader: Reader) -> Image:
     node = reader.node
     if node.image is None:
         raise Unsupported(node, "has no image")
-    if node.image.source == 'TILED':
-        raise Unsupported(node, "has a tiled image, which isn't supported yet")
     try:
         picture = images.picture(node.image, reader.compiler.check_images)
     except images.Unreadable as fault:
         raise Unsupported(node, str(fault)) from fault
     reader.compiler.keys.append(picture.key)
-    return Image(picture, node.extension, node.interpolation)
+    return Image(picture, 'EXTEND' if node.image.source == 'TILED' else node.extension, node.interpolation)
 
 
 def _looked_up(reader: Reader, image: Image) -> Function:
@@ -155,22 +152,26 @@ def _looked_up(reader: Reader, image: Image) -> Function:
     key = ("image", reader.node.as_pointer())
 
     def look_up(uv: np.ndarray) -> np.ndarray:
-        return images.sample(image.picture.rgba, np.atleast_2d(uv)[:, :2], image.extension,
-                             image.interpolation)
+        """uv: over all tiles"""
+        return images.sample(image.picture.rgba, uv, image.extension, image.interpolation)
+
+    def look_up_tile(p: np.ndarray) -> np.ndarray:
+        uv = np.atleast_2d(p)[:, :2]
+        return look_up((uv - image.picture.origin) / image.picture.span)
 
     if reader.node.projection == 'FLAT':
         placement = _placement(reader, reader.input("Vector"))
         if placement is not None:
-            return once(key, _placed(reader, image, placement, look_up))
+            return once(key, _placed(reader, image, placement.within(image.picture), look_up))
         vector = reader.coordinates(('UV', ''))
-        return once(key, lambda points: look_up(vector(points)))
+        return once(key, lambda points: look_up_tile(vector(points)))
     vector = reader.coordinates(('UV', ''))
     if reader.node.projection != 'BOX':
         project = {'SPHERE': operations.sphere_uv, 'TUBE': operations.tube_uv}[reader.node.projection]
-        return once(key, lambda points: look_up(project(vector(points))))
+        return once(key, lambda points: look_up_tile(project(vector(points))))
     normal, blend = reader.compiler.leaf(('NORMAL', '')), reader.node.projection_blend
     return once(key, lambda points: operations.box_projected(
-        look_up, np.atleast_2d(vector(points)), normal(points), blend))
+        look_up_tile, np.atleast_2d(vector(points)), normal(points), blend))
 
 
 def _placed(reader: Reader, image: Image, placement: Placement,

@@ -39,6 +39,21 @@ class Placement(NamedTuple):
         rows = np.array(self.rows)
         return uv[..., :2] @ rows[:, :2].T + rows[:, 2]
 
+    def within(self, picture: images.Picture) -> "Placement":
+        """To 0 … 1 over all tiles of the picture."""
+        rows = np.array(self.rows)
+        rows[:, 2] -= picture.origin
+        return self._replace(rows=_as_tuples(rows / np.array(picture.span)[:, None]))
+
+    @staticmethod
+    def of_matrix(uv_map: str, matrix: np.ndarray) -> "Placement":
+        """matrix: (4, 4) of coordinates whose third is 0."""
+        return Placement(uv_map, _as_tuples(matrix[:2][:, [0, 1, 3]]))
+
+
+def _as_tuples(rows: np.ndarray) -> tuple[tuple[float, ...], ...]:
+    return tuple(tuple(float(x) for x in row) for row in rows)
+
 
 class Image(NamedTuple):
     """How an Image Texture node reads its image."""

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from .. import compat
+from .. import verglas_core as core
 from .cache import Cache
 
 
@@ -30,6 +31,10 @@ class Picture(NamedTuple):
     """else scene-linear"""
     is_associated: bool
     """premultiplied by alpha"""
+    origin: tuple[int, int] = (0, 0)
+    """coordinates of its lower left corner, in tiles"""
+    span: tuple[int, int] = (1, 1)
+    """tiles across and up"""
 
 
 SCENE_LINEAR_MATRICES = {
@@ -39,6 +44,12 @@ SCENE_LINEAR_MATRICES = {
     'ACES2065-1': "from_aces_to_scene_linear",
 }
 """mathutils.Color's conversion for other linear colour spaces."""
+
+MOST_TEXELS = 1 << 25
+"""Of all tiles of an image together; larger ones are made smaller."""
+
+MISSING = (1.0, 0.0, 1.0, 1.0)
+"""Where an image has no tile, as in Cycles."""
 
 _pictures = Cache()
 _generations: dict[str, int] = {}
@@ -68,6 +79,8 @@ def sweep() -> None:
 def picture(image: bpy.types.Image, check: bool) -> Picture:
     """check: reads unsaved pixels even if Blender hasn't told of a change; scripts can write them without
     its knowing. Raises Unreadable."""
+    if image.source == 'TILED':
+        return _tiled(image)
     if check and image.is_dirty:
         pixels = _pixels(image)
         key = (*_state(image), zlib.crc32(pixels))
@@ -78,12 +91,57 @@ def picture(image: bpy.types.Image, check: bool) -> Picture:
 
 def _state(image: bpy.types.Image) -> tuple[Hashable, ...]:
     """What else the pixels depend on."""
-    path = bpy.path.abspath(image.filepath, library=image.library)
+    path = _path(image)
     modified = os.stat(path).st_mtime_ns if image.source == 'FILE' and os.path.isfile(path) else 0
     frame = bpy.context.scene.frame_current if image.source in {'SEQUENCE', 'MOVIE'} else 0
     return (name_of(image), image.source, path, modified, frame, image.colorspace_settings.name,
             image.alpha_mode, tuple(image.size))
 
+
+def _path(image: bpy.types.Image) -> str:
+    return bpy.path.abspath(image.filepath, library=image.library)
+
+
+# Tiles
+
+def _tiled(image: bpy.types.Image) -> Picture:
+    """All tiles beside each other. They come from their files: Blender gives the pixels of the first only."""
+    if image.is_dirty or image.packed_files:
+        raise Unreadable("has a tiled image that isn't saved as files, which isn't supported yet")
+    paths = {tile.number: _path(image).replace("<UDIM>", str(tile.number)) for tile in image.tiles}
+    lost = next((path for path in paths.values() if not os.path.isfile(path)), None)
+    if lost is not None:
+        raise Unreadable(f"has a tile that can't be read ('{lost}')")
+    times = tuple(os.stat(path).st_mtime_ns for path in paths.values())
+    key = (*_state(image), tuple(paths), times, _generations.get(name_of(image), 0))
+    return _pictures.get(key, lambda: _beside_each_other(key, image, paths))
+
+
+def _beside_each_other(key: Hashable, image: bpy.types.Image, paths: dict[int, str]) -> Picture:
+    """paths: by the tiles' numbers, 1001 + u + 10 v."""
+    space = image.colorspace_settings.name
+    if space != 'sRGB' and space not in compat.LINEAR_COLOR_SPACES:
+        raise Unreadable(f"has tiles in the color space '{space}', which isn't supported yet")
+    try:
+        tiles = {divmod(number - 1001, 10)[::-1]: core.EnvironmentMap.load(path).pixels
+                 for number, path in paths.items()}
+    except core.Error as fault:
+        raise Unreadable(f"has a tile that can't be read. {fault}") from fault
+    origin = tuple(min(place[axis] for place in tiles) for axis in (0, 1))
+    span = tuple(max(place[axis] for place in tiles) - origin[axis] + 1 for axis in (0, 1))
+    side = max(max(pixels.shape[:2]) for pixels in tiles.values())
+    side = min(side, int((MOST_TEXELS / (span[0] * span[1])) ** 0.5))
+    rgba = np.empty((span[1] * side, span[0] * side, 4), np.float32)
+    rgba[:] = MISSING
+    for (u, v), pixels in tiles.items():
+        rows, columns = ((np.arange(side) * size) // side for size in pixels.shape[:2])
+        y, x = (v - origin[1]) * side, (u - origin[0]) * side
+        rgba[y:y + side, x:x + side, :3] = pixels[rows[:, None], columns]
+    is_srgb = space == 'sRGB' and not paths[min(paths)].lower().endswith((".exr", ".hdr"))
+    return Picture(key, rgba, is_srgb, False, origin, span)
+
+
+# Pixels
 
 def _pixels(image: bpy.types.Image) -> np.ndarray:
     """(H, W, C) float32 as Blender holds them: floats scene-linear, bytes in their own colour space."""

@@ -119,7 +119,7 @@ class Surface:
 
     def __init__(self, evaluated: bpy.types.Object, arrays: MeshArrays, slot: int, warn: Warn):
         self.name = evaluated.data.name
-        self._mesh: bpy.types.Mesh = evaluated.data
+        self._evaluated = evaluated
         self._arrays = arrays
         self._kept = arrays.slots == slot
         self._warn = warn
@@ -129,7 +129,12 @@ class Surface:
         """(T, 3, 3) or (T, 3) float32 of the triangles' corners, of an expression's leaf. 0, and a warning,
         where the mesh has none such."""
         if leaf not in self._known:
-            self._known[leaf] = self._read(*leaf)
+            # Not its data: with subdivision on the GPU those aren't subdivided
+            mesh = self._evaluated.to_mesh()
+            try:
+                self._known[leaf] = self._read(mesh, *leaf)
+            finally:
+                self._evaluated.to_mesh_clear()
         return self._known[leaf]
 
     def at(self, leaf: tuple[str, str], triangle: np.ndarray, weights: np.ndarray) -> np.ndarray:
@@ -140,17 +145,17 @@ class Surface:
             values /= np.maximum(np.linalg.norm(values, axis=1, keepdims=True), 1e-12)
         return values
 
-    def _read(self, kind: str, name: str) -> np.ndarray:
+    def _read(self, mesh: bpy.types.Mesh, kind: str, name: str) -> np.ndarray:
         arrays, kept = self._arrays, self._kept
         if kind == 'OBJECT':
             return arrays.positions[arrays.triangles[kept]]
         if kind == 'NORMAL':
             return arrays.normals[arrays.triangles[kept]]
         if kind == 'GENERATED':
-            return self._of_corners(_generated(self._mesh)[self._vertices()])
+            return self._of_corners(_generated(mesh)[_vertices(mesh)])
         if kind == 'UV':
-            return self._of_corners(self._uvs(name))
-        rgba, factor = self._attribute(name)
+            return self._of_corners(self._uvs(mesh, name))
+        rgba, factor = self._attribute(mesh, name)
         if kind == 'FACTOR':
             return self._of_corners(factor)
         if kind == 'ALPHA':
@@ -162,31 +167,27 @@ class Surface:
     def _of_corners(self, values: np.ndarray) -> np.ndarray:
         return values[self._arrays.corners[self._kept]]
 
-    def _vertices(self) -> np.ndarray:
-        """(C,) vertex of each face corner."""
-        return _get(self._mesh.loops, "vertex_index", 1, np.intc).reshape(-1)
-
-    def _uvs(self, name: str) -> np.ndarray:
+    def _uvs(self, mesh: bpy.types.Mesh, name: str) -> np.ndarray:
         """(C, 3), the third 0"""
-        layers = self._mesh.uv_layers
+        layers = mesh.uv_layers
         layer = layers.get(name) if name else next((each for each in layers if each.active_render), None)
-        uvs = np.zeros((len(self._mesh.loops), 3), np.float32)
-        if layer is None or len(layer.data) == 0:
+        uvs = np.zeros((len(mesh.loops), 3), np.float32)
+        if layer is None or len(mesh.loops) == 0:
             self._warn(f"Mesh '{self.name}' has no UV map{f' {name!r}' if name else ''}; its textures have "
                        "coordinates of 0, as in Cycles.")
             return uvs
-        uvs[:, :2] = _get(layer.data, "uv", 2, np.float32)
+        uvs[:, :2] = compat.uvs_of(layer)
         return uvs
 
-    def _attribute(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+    def _attribute(self, mesh: bpy.types.Mesh, name: str) -> tuple[np.ndarray, np.ndarray]:
         """(C, 4) as a colour and (C,) as a number."""
-        count = len(self._mesh.loops)
-        attribute = _attribute_named(self._mesh, name)
+        count = len(mesh.loops)
+        attribute = _attribute_named(mesh, name)
         field = None if attribute is None else ATTRIBUTE_FIELDS.get(attribute.data_type)
-        if field is None and name in self._mesh.uv_layers:
-            rgba = np.column_stack([self._uvs(name), np.ones(count, np.float32)])
+        if field is None and name in mesh.uv_layers:
+            rgba = np.column_stack([self._uvs(mesh, name), np.ones(count, np.float32)])
             return rgba, rgba[:, 0]
-        index = None if field is None else self._index_of_domain(attribute.domain)
+        index = None if field is None else _index_of_domain(mesh, attribute.domain)
         if index is None:
             self._warn(f"Mesh '{self.name}' has no attribute {name!r} that can be read; it is 0, as in "
                        "Cycles.")
@@ -198,17 +199,6 @@ class Surface:
         if width == 4:
             rgba[:, 3] = values[:, 3]
         return rgba, values[:, 0] if width == 2 else rgba[:, :3].mean(axis=1)
-
-    def _index_of_domain(self, domain: str) -> np.ndarray | None:
-        """(C,) where each face corner finds its value; None where Cycles reads none."""
-        if domain == 'CORNER':
-            return np.arange(len(self._mesh.loops))
-        if domain == 'POINT':
-            return self._vertices()
-        if domain == 'FACE':
-            return np.repeat(np.arange(len(self._mesh.polygons)),
-                             _get(self._mesh.polygons, "loop_total", 1, np.intc).reshape(-1))
-        return None
 
 
 ATTRIBUTE_FIELDS = {
@@ -222,6 +212,23 @@ ATTRIBUTE_FIELDS = {
     'BYTE_COLOR': ("color", 4, np.float32),
 }
 """Property of an element, its width and type, by an attribute's data type; colours come scene-linear."""
+
+
+def _vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(C,) vertex of each face corner."""
+    return _get(mesh.loops, "vertex_index", 1, np.intc).reshape(-1)
+
+
+def _index_of_domain(mesh: bpy.types.Mesh, domain: str) -> np.ndarray | None:
+    """(C,) where each face corner finds its value; None where Cycles reads none."""
+    if domain == 'CORNER':
+        return np.arange(len(mesh.loops))
+    if domain == 'POINT':
+        return _vertices(mesh)
+    if domain == 'FACE':
+        return np.repeat(np.arange(len(mesh.polygons)),
+                         _get(mesh.polygons, "loop_total", 1, np.intc).reshape(-1))
+    return None
 
 
 def _attribute_named(mesh: bpy.types.Mesh, name: str) -> bpy.types.Attribute | None:

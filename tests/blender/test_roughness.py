@@ -347,6 +347,53 @@ def test_two_images_with_mappings_of_their_own(scene, warned):
     assert_as_cycles(scene, add_plane(textured(build)), warned, 0.02, 0.98)
 
 
+@pytest.mark.parametrize("coordinates", ["Generated", "Object", "UV"])
+def test_modifiers(scene, warned, coordinates, monkeypatch):
+    """On an object that modifiers subdivide and move, frost would lie elsewhere, or crash the render."""
+    plane = add_plane(textured(procedural("ShaderNodeTexGradient", coordinates)), cells=2)
+    plane.modifiers.new("Subdivision", 'SUBSURF').subdivision_type = 'SIMPLE'
+    displace = plane.modifiers.new("Displace", 'DISPLACE')
+    displace.direction, displace.strength, displace.mid_level = 'X', 0.25, 0.0
+    real, pictures = sync.scene_from, []
+
+    def scene_from(depsgraph, warn):  # generated coordinates from before modifiers are kept in final frames only
+        pictures.append(of_verglas(plane, warned.append, depsgraph))
+        return real(depsgraph, warn)
+    monkeypatch.setattr(sync, "scene_from", scene_from)
+    scene.verglas.device = 'CPU'
+    render(scene)
+    truth = of_cycles(scene, plane)
+    assert warned == []
+    assert np.abs(pictures[0] - truth)[:, 4:].max() < 0.01  # the plane has left the picture's left side
+
+
+@pytest.mark.parametrize("space", ['sRGB', 'Non-Color'])
+def test_tiled_image(scene, warned, tmp_path, space):
+    """Of an image in several tiles (UDIM) one would be seen everywhere, or none."""
+    for number, seed in ((1012, 1), (1013, 2), (1022, 3), (1023, 4)):
+        pixels = np.random.default_rng(seed).uniform(0.1, 0.9, (4, 4, 3)).astype(np.float32)
+        tile = new_image(pixels, f"Tile {number}", space, is_float=False)
+        tile.filepath_raw, tile.file_format = str(tmp_path / f"frost.{number}.png"), 'PNG'
+        tile.save()
+    image = bpy.data.images.load(str(tmp_path / "frost.1012.png"))
+    image.source = 'TILED'
+    image.colorspace_settings.name = space
+    for label in (1013, 1022, 1023):
+        if label not in {each.number for each in image.tiles}:
+            image.tiles.new(label)
+    material = textured(lambda tree: add_image(tree, image, interpolation='Closest').outputs[0])
+    assert_as_cycles(scene, add_plane(material, uv_range=(1.05, 2.95)), warned, 0.004)
+
+
+def test_tiled_image_that_is_not_saved_is_named(scene, warned):
+    """Tiles that can't be read would be one value without a word."""
+    image = bpy.data.images.new("Tiles", 8, 8, tiled=True)
+    material = textured(lambda tree: add_image(tree, image).outputs[0], roughness=0.45)
+    glass = materials.from_blender(material, warned.append)
+    assert glass.roughness == pytest.approx(0.45) and glass.roughness_map is None
+    assert len(warned) == 1 and "Image Texture" in warned[0] and "tile" in warned[0]
+
+
 def test_two_uv_maps(scene, warned):
     """An image on another than the active UV map would lie elsewhere."""
     def build(tree):

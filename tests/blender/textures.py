@@ -67,10 +67,12 @@ def of_cycles(scene: bpy.types.Scene, plane: bpy.types.Object) -> np.ndarray:
     return render(scene).rgb[..., 0]
 
 
-def of_verglas(plane: bpy.types.Object, warn) -> np.ndarray:
-    """The same, by the texture and coordinates that the core gets; a constant where there is no texture."""
-    bpy.context.view_layer.update()
-    depsgraph = bpy.context.evaluated_depsgraph_get()
+def of_verglas(plane: bpy.types.Object, warn, depsgraph: bpy.types.Depsgraph | None = None) -> np.ndarray:
+    """The same, by the texture and coordinates that the core gets; a constant where there is no texture.
+    depsgraph: default the viewport's."""
+    if depsgraph is None:
+        bpy.context.view_layer.update()
+        depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = plane.evaluated_get(depsgraph)
     glass = materials.from_blender(evaluated.data.materials[0], warn)
     if glass.roughness_map is None:
