@@ -356,7 +356,7 @@ def test_modifiers(scene, warned, coordinates, monkeypatch):
     displace.direction, displace.strength, displace.mid_level = 'X', 0.25, 0.0
     real, pictures = sync.scene_from, []
 
-    def scene_from(depsgraph, warn):  # generated coordinates from before modifiers are kept in final frames only
+    def scene_from(depsgraph, warn):  # a final frame: others have moved coordinates
         pictures.append(of_verglas(plane, warned.append, depsgraph))
         return real(depsgraph, warn)
     monkeypatch.setattr(sync, "scene_from", scene_from)
