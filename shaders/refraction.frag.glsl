@@ -5,21 +5,10 @@
 // where exits are searched in four layers of the geometry.
 #include "environment.glsl"
 #include "screen_space.glsl"
-#include "lib/fresnel.glsl"
-#include "lib/microfacet.glsl"
-#include "lib/lobe.glsl"
+#include "lobe_tables.glsl"
 #include "lib/bundle.glsl"
 #include "lib/specular.glsl"
 #include "lib/depth_mip.glsl"
-
-uniform sampler2DArray lobe_tables;
-
-vec4 sample_lobe_table(int table, float x, float y) {
-    vec2 nodes = vec2(LOBE_COSINES, LOBE_ROUGHNESSES);
-    return textureLod(lobe_tables, vec3((vec2(x, y) * (nodes - 1.0) + 0.5) / nodes, float(table)), 0.0);
-}
-
-#include "lib/lobe_lookup.glsl"
 
 struct Material {
     vec4 color_roughness;

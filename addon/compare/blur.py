@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How much glass blurs, in scenes whose world is a single far sun: the sun's picture shows the lobe of light
-that leaves the glass. Its concentration, kappa, is that of the spherical Gaussian whose mean vector is as long.
+that leaves the glass. Its concentration, kappa, is that of the spherical Gaussian whose mean vector is as
+long.
 
-That is exact where the sides of the glass are parallel, as the lobe of each pixel then lies around its line of
-sight, and a measure of the blur elsewhere.
+That is exact where the sides of the glass are parallel, as the lobe of each pixel then lies around its line
+of sight, and a measure of the blur elsewhere.
 """
 
 from collections.abc import Mapping

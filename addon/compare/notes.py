@@ -126,13 +126,13 @@ def _at_equal_times(traced: Way, name: str, way: Way) -> list[str]:
     theirs, ours = ([_interpolated(points, "seconds", time, "relmse") for time in shared]
                     for points in (way, traced))
     ratios = [a / b for a, b in zip(theirs, ours)]
-    return [f"In equal times from {first:.2g} to {last:.2g} s the relative MSE of {name} is {min(ratios):.2g} "
-            f"to {max(ratios):.2g} times that of traced."]
+    return [f"In equal times from {first:.2g} to {last:.2g} s the relative MSE of {name} is "
+            f"{min(ratios):.2g} to {max(ratios):.2g} times that of traced."]
 
 
 def _interpolated(way: Way, key: str, value: float, wanted: str) -> float:
-    """What a way has of one key where another, which rises or falls along it, has this value: a power law from
-    point to point, as the noise of Monte Carlo has; its ends outside."""
+    """What a way has of one key where another, which rises or falls along it, has this value: a power law
+    from point to point, as the noise of Monte Carlo has; its ends outside."""
     points = sorted((point[key], point[wanted]) for point in way)
     x, y = np.log(np.maximum(np.array(points), 1e-30)).T
     return float(np.exp(np.interp(np.log(max(value, 1e-30)), x, y)))

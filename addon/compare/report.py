@@ -201,7 +201,7 @@ def _blur(truth: dict, methods: dict[str, dict]) -> str:
     rows = ([pages.head(name), pages.cell(pages.number(kappa, 4)),
              pages.cell("" if name == "truth" else f"{kappa / truth['kappa'] - 1.0:+.1%}")]
             for name, kappa in found.items())
-    hint = ("Concentration (kappa) of the lobe through which the glass shows the sun, the world's only light: "
+    hint = ("Concentration (kappa) of the lobe through which glass shows the sun, the world's only light: "
             "the lower, the wider. It is exact for glass with parallel sides.")
     return pages.section("Blur", pages.table(["", "Kappa", "To the truth's"], rows)
                          + f'\n<p class="hint">{hint}</p>')

@@ -6,7 +6,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <vector>
+#include <memory>
 
 #include "core/scene/settings.h"
 #include "core/tracing/camera_rays.h"
@@ -14,26 +14,33 @@
 
 namespace verglas {
 
-// What the centre of a pixel shows.
+// What a sample of a pixel shows.
 struct Surface {
-    glm::vec3 normal{0.0F};  // unit, world space, outward
-    float depth = 1e10F;     // along the camera's axis; 1e10 where nothing is
-    int object = -1;         // -1 where nothing is
-    float alpha = 0.0F;      // width of the distribution of microfacet normals
+    glm::vec3 normal;  // unit, world space, outward; 0 where nothing is
+    float depth;       // along the camera's axis; 1e10 where nothing is
+    int object;        // -1 where nothing is
+    float alpha;       // width of the distribution of microfacet normals
+
+    static Surface none() { return {glm::vec3(0.0F), 1e10F, -1, 0.0F}; }
 };
 
-// A picture of a region of the frame, row 0 at the bottom.
+// A picture of a region of the frame, row 0 at the bottom. New, its pixels have no values; memory for large
+// ones takes long to fill, and who writes to a tile does that best.
 struct TracedPicture {
     explicit TracedPicture(const Rect& rectangle)
-        : rect(rectangle), radiance(std::size_t(rect.size().x) * rect.size().y), surfaces(radiance.size()) {}
+        : rect(rectangle),
+          pixels(std::size_t(rect.size().x) * rect.size().y),
+          radiance(std::make_unique_for_overwrite<glm::vec3[]>(pixels)),
+          surfaces(std::make_unique_for_overwrite<Surface[]>(pixels)) {}
 
     std::size_t place(int x, int y) const {
         return std::size_t(y - rect.begin.y) * rect.size().x + (x - rect.begin.x);
     }
 
     Rect rect;
-    std::vector<glm::vec3> radiance;
-    std::vector<Surface> surfaces;
+    std::size_t pixels;
+    std::unique_ptr<glm::vec3[]> radiance;
+    std::unique_ptr<Surface[]> surfaces;
 };
 
 // Where sample `sample` of a pixel looks through the frame, from the pixel's centre, in pixels: distributed
@@ -62,7 +69,7 @@ class BundleTracer {
     struct Branch;
     struct Wave;
 
-    void start(const Rect& tile, Wave& wave) const;
+    void start(const Rect& tile, TracedPicture& picture, Wave& wave) const;
     void meet(const Beam& incoming, const Hit& hit, TracedPicture& picture, Wave& next) const;
     void branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const;
     void follow(const Meeting& meeting, const Branch& branch, Wave& next) const;

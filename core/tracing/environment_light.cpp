@@ -42,7 +42,7 @@ Place find(const float* shares, int count, float u) {
 }
 
 // The place of u times the sum in weights that lie `stride` apart.
-Place find_weight(const float* weights, int count, int stride, float sum, float u) {
+Place find_weight(const float* weights, int count, std::ptrdiff_t stride, float sum, float u) {
     float left = u * sum;
     int i = 0;
     while (i < count - 1 && left >= weights[i * stride]) left -= weights[i++ * stride];

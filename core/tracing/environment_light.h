@@ -20,12 +20,13 @@ class EnvironmentLight {
 
     static constexpr int grid_columns = 32;
     static constexpr int grid_rows = 16;
+    static constexpr std::size_t grid_cells = std::size_t(grid_columns) * grid_rows;
 
     // A distribution over the sphere. The cells of a coarse equirectangular grid are drawn in proportion to
     // their light times the lobe in their middle; inside a cell light alone decides.
     struct Lobe {
-        std::array<float, grid_columns * grid_rows> cells;  // column by column
-        std::array<float, grid_rows> rows;                  // their sums
+        std::array<float, grid_cells> cells;  // column by column
+        std::array<float, grid_rows> rows;    // their sums
         float sum;
     };
     // axis: unit, in world space; kappa: concentration as of a spherical Gaussian, at least 0.
@@ -43,7 +44,7 @@ class EnvironmentLight {
 
   private:
     // Of the grid, as Lobe::cells.
-    using Cells = std::array<float, grid_columns * grid_rows>;
+    using Cells = std::array<float, grid_cells>;
 
     void make_cells(const std::vector<double>& row_light);
     const glm::vec3& texel(int x, int y) const;

@@ -30,7 +30,7 @@ Rect grown(const Rect& rect, int margin, glm::ivec2 frame) {
 }
 
 // Whole pixels that sample_offset() reaches to each side.
-int filter_reach(const Settings& settings) { return static_cast<int>(settings.filter_width + 0.5F); }
+int filter_reach(const Settings& settings) { return static_cast<int>(std::round(settings.filter_width)); }
 
 template <typename Work>
 void for_each_pixel(const Rect& rect, Work work) {
@@ -67,15 +67,17 @@ struct ProgressivePicture::Estimates {
     std::vector<Estimate> values;
 };
 
-// Pixels of drawn_rect() look for neighbours of the pixels that they see, which are averages of theirs.
+// A pixel's window holds estimates, which look at windows of their own. Pixels of drawn_rect() look for
+// neighbours of the pixels that they see, which are averages of theirs.
 ProgressivePicture::ProgressivePicture(const Rect& rect, const Settings& settings)
     : settings_(settings),
       rect_(rect),
-      drawn_rect_(settings.samples > 1 ? grown(rect, window_reach, settings.size) : rect),
+      drawn_rect_(settings.samples > 1 ? grown(rect, 2 * window_reach, settings.size) : rect),
       first_(grown(drawn_rect_, settings.samples > 1 ? filter_reach(settings) + 2 : 1, settings.size)),
-      averaged_(first_.radiance.size()) {
+      averaged_(std::make_unique_for_overwrite<glm::vec3[]>(first_.pixels)) {
     if (settings.samples == 1) return;
-    pixels_.resize(std::size_t(drawn_rect_.size().x) * drawn_rect_.size().y);
+    pixels_ =
+        std::make_unique_for_overwrite<Pixel[]>(std::size_t(drawn_rect_.size().x) * drawn_rect_.size().y);
     const int reach = filter_reach(settings);
     for (int i = -reach; i <= reach; ++i)
         kernel_.push_back(blackman_harris_share(static_cast<float>(i) - 0.5F, static_cast<float>(i) + 0.5F,
@@ -95,7 +97,7 @@ void ProgressivePicture::average(const Rect& tile) {
 
 void ProgressivePicture::prepare(const Rect& tile, const BundleTracer& tracer) {
     for_each_pixel(tile, [&](glm::ivec2 pixel) {
-        Pixel& result = pixels_[place_of(pixel)];
+        Pixel& result = pixels_[place_of(pixel)] = {};
         result.object = surface(pixel).object;
         if (is_edge(pixel)) {
             look_through(pixel, tracer, result);

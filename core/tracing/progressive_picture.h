@@ -7,6 +7,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 #include "core/frame.h"
@@ -43,13 +44,13 @@ class ProgressivePicture {
   private:
     // What is known of a pixel of drawn_rect().
     struct Pixel {
-        glm::vec3 base{0.0F};   // sum over looks: what the first sample shows there; or that in the mean
-        float covered = 0.0F;   // the same, of coverage
-        int looks = 0;          // 0: base is a mean
-        int looks_ahead = 0;    // drawn samples that base knows of from the start
-        int object = -1;        // which the pixel shows, or whose edge it sees
-        glm::vec3 error{0.0F};  // sum over drawn samples: what they see more than the first
-        float square = 0.0F;    // sum of the squares of its mean over channels
+        glm::vec3 base;   // sum over looks: what the first sample shows there; or that in the mean
+        float covered;    // the same, of coverage
+        int looks;        // 0: base is a mean
+        int looks_ahead;  // drawn samples that base knows of from the start
+        int object;       // which the pixel shows, or whose edge it sees
+        glm::vec3 error;  // sum over drawn samples: what they see more than the first
+        float square;     // sum of the squares of its mean over channels
 
         glm::vec3 mean_base() const { return looks > 0 ? base / static_cast<float>(looks) : base; }
         float mean_covered() const { return looks > 0 ? covered / static_cast<float>(looks) : covered; }
@@ -72,9 +73,9 @@ class ProgressivePicture {
     Rect rect_;
     Rect drawn_rect_;
     TracedPicture first_;
-    std::vector<glm::vec3> averaged_;  // radiance, in the order of first_
-    std::vector<float> kernel_;        // of offsets -reach … reach, in whole pixels, along one axis
-    std::vector<Pixel> pixels_;
+    std::unique_ptr<glm::vec3[]> averaged_;  // radiance, in the order of first_
+    std::vector<float> kernel_;              // of offsets -reach … reach, in whole pixels, along one axis
+    std::unique_ptr<Pixel[]> pixels_;
 };
 
 }  // namespace verglas

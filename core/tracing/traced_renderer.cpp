@@ -4,9 +4,10 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <mutex>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -28,7 +29,7 @@ double seconds_since(Clock::time_point begin) {
 constexpr int tile_size = 16;
 
 // Between two calls of progress.
-constexpr double batch_seconds = 0.02;
+constexpr double progress_seconds = 0.02;
 
 std::vector<Rect> tiles_of(const Rect& rect) {
     std::vector<Rect> tiles;
@@ -47,21 +48,33 @@ void check(const Settings& settings) {
         throw Error("The render region lies outside of the picture.");
 }
 
-// Calls work(0) to work(count - 1) on the arena's threads, and `go_on` on this one every batch_seconds or so;
-// returns false where that did, before all was done.
+// Calls work(0) to work(count - 1) on the arena's threads, and `go_on` on this one, between its works and at
+// the end; returns false where that did, maybe before all was done. No thread waits for another, as some works
+// take a hundred times as long as others.
 template <typename Work, typename GoOn>
-bool in_batches(tbb::task_arena& arena, int count, Work work, GoOn go_on) {
-    int batch = 16;
-    for (int first = 0; first < count;) {
-        const Clock::time_point begin = Clock::now();
-        const int last = std::min(first + batch, count);
-        arena.execute([&] { tbb::parallel_for(first, last, work); });
-        first = last;
-        if (!go_on()) return false;
-        const double ratio = batch_seconds / std::max(seconds_since(begin), 1e-4);
-        batch = std::max(4, static_cast<int>(batch * std::clamp(ratio, 0.25, 4.0)));
-    }
-    return true;
+bool do_all(tbb::task_arena& arena, int count, Work work, GoOn go_on) {
+    const std::thread::id caller = std::this_thread::get_id();
+    std::atomic<int> next = 0;
+    std::atomic<bool> ended = false;
+    Clock::time_point asked = Clock::now();
+    const auto ask = [&] {
+        if (std::this_thread::get_id() != caller || seconds_since(asked) < progress_seconds) return;
+        if (!go_on()) ended = true;
+        asked = Clock::now();
+    };
+    const auto work_on = [&](int) {
+        try {
+            for (int i = next++; i < count && !ended; i = next++) {
+                work(i);
+                ask();
+            }
+        } catch (...) {
+            ended = true;
+            throw;
+        }
+    };
+    arena.execute([&] { tbb::parallel_for(0, arena.max_concurrency(), work_on); });
+    return !ended && go_on();
 }
 
 }  // namespace
@@ -92,7 +105,7 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
     int sample = 0;
     const auto over = [&](const Rect& rect, auto work) {
         const std::vector<Rect> tiles = tiles_of(rect);
-        return in_batches(
+        return do_all(
             arena, static_cast<int>(tiles.size()), [&](int i) { work(tiles[i]); },
             [&] { return !progress || progress(sample, settings.samples); });
     };
@@ -101,9 +114,9 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
                  over(sum.first_rect(), [&](const Rect& tile) { sum.average(tile); });
     if (go_on && settings.samples > 1)
         go_on = over(sum.drawn_rect(), [&](const Rect& tile) { sum.prepare(tile, first); });
+    TracedPicture picture(settings.samples > 1 ? sum.drawn_rect() : Rect{});
     for (sample = 1; go_on && sample < settings.samples; ++sample) {
         const BundleTracer tracer(scene_, settings, sample);
-        TracedPicture picture(sum.drawn_rect());
         go_on = over(sum.drawn_rect(), [&](const Rect& tile) {
             tracer.trace(tile, picture);
             sum.add(tile, picture, sample);

@@ -15,10 +15,10 @@ namespace verglas {
 // Traces bundles of rays through the scene (method: 5.5) and keeps what is costly to prepare: trees of
 // meshes, lobe tables, the environment's levels.
 //
-// The first sample is a picture without noise: a few rays stand for the front lobe, follow the mean directions
-// of all lobes that they meet, and end in the prefiltered environment. Further samples draw directions, and
-// the picture converges to the path tracer's. It depends on scene and settings alone, not on the number of
-// threads.
+// The first sample is a picture without noise: a few rays stand for the front lobe, follow the mean
+// directions of all lobes that they meet, and end in the prefiltered environment. Further samples draw
+// directions, and the picture converges to the path tracer's. It depends on scene and settings alone, not on
+// the number of threads.
 class TracedRenderer {
   public:
     // Throws Error where Embree can't be started.

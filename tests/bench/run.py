@@ -41,9 +41,10 @@ def measure(quick: bool, progress) -> dict:
         "updates": updates.steps(plan, progress),
         "preparation": preparation.steps(plan, progress),
         "engines": engines.engines(plan, progress, notes),
+        "refraction": engines.refraction(plan, progress, notes),
         "notes": notes,
     }
-    return results | {"ratios": summary.ratios(results["models"], results["engines"], results["threads"])}
+    return results | {"ratios": summary.ratios(results)}
 
 
 def draw(results: dict, folder: Path) -> None:

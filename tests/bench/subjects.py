@@ -34,6 +34,18 @@ def subject(model: Model, size: Size, progress: Progress) -> Subject:
     return Subject(new_scene(model, EXPONENT), Conditions(*size, samples=1), progress.say)
 
 
+def refracting(model: Model, size: Size, progress: Progress) -> Subject:
+    """The same with a Refraction BSDF, which reflects nothing."""
+    scene = new_scene(model, EXPONENT)
+    tree = next(obj for obj in scene.objects if obj.type == 'MESH').data.materials[0].node_tree
+    glass = next(node for node in tree.nodes if node.type == 'BSDF_GLASS')
+    refraction = tree.nodes.new("ShaderNodeBsdfRefraction")
+    for name in ("Roughness", "IOR"):
+        refraction.inputs[name].default_value = glass.inputs[name].default_value
+    tree.links.new(refraction.outputs["BSDF"], glass.outputs["BSDF"].links[0].to_socket)
+    return Subject(scene, Conditions(*size, samples=1), progress.say)
+
+
 def ball_mesh(squares: int) -> tuple[np.ndarray, np.ndarray]:
     """A unit sphere of 12 squares^2 triangles of about equal size: a cube whose faces are grids, spread to
     equal angles and drawn to the sphere. Its points, which are their own normals, and triangles."""

@@ -10,9 +10,10 @@ TRUTH_SAMPLES = 512
 """of a path-traced picture, as in the paper"""
 
 
-def ratios(models: list[Row], engines: list[Row], threads: list[Row]) -> dict[str, float]:
+def ratios(results: dict[str, list[Row]]) -> dict[str, float]:
     """By a name that reads 'this / that'. Of frames: the geometric mean over the models. Cycles' time is that
     of its samples alone, found with fewer of them: each takes the same."""
+    models, engines, threads = (results[kind] for kind in ("models", "engines", "threads"))
     result = {}
     for size in _sizes(models):
         for method in METHODS:
@@ -29,6 +30,10 @@ def ratios(models: list[Row], engines: list[Row], threads: list[Row]) -> dict[st
         for method in ("bundle", "traced"):
             result[f"cycles with {TRUTH_SAMPLES} samples / {method} with one"] = (
                 TRUTH_SAMPLES * sample_ms["cycles"] / sample_ms[method])
+    refraction_ms = {row["engine"]: row["sample_ms"] for row in results["refraction"]}
+    if "cycles" in refraction_ms:
+        result[f"cycles with {TRUTH_SAMPLES} samples / traced with one, refraction only"] = (
+            TRUTH_SAMPLES * refraction_ms["cycles"] / refraction_ms["traced"])
     if "eevee" in picture_ms:
         result["eevee's picture / bundle with one sample"] = picture_ms["eevee"] / sample_ms["bundle"]
     for row in threads[1:]:

@@ -31,8 +31,8 @@ def test_quick_run_writes_what_it_says(tmp_path, capfd):
     assert {row["method"] for row in results["updates"]} == {"bundle", "traced"}
     assert {row["engine"] for row in results["engines"]} == {*frames.METHODS, "reference", "cycles"}
     assert (tmp_path / "engines.png").is_file() and (tmp_path / "preparation.png").is_file()
-    numbers = [row[name] for kind in ("preparation", "engines", "updates") for row in results[kind]
-               for name in row if name.endswith("ms")]
+    kinds = ("preparation", "engines", "refraction", "updates")
+    numbers = [row[name] for kind in kinds for row in results[kind] for name in row if name.endswith("ms")]
     numbers += [row["frame_ms"] for row in results["models"]] + list(results["ratios"].values())
     assert min(numbers) > 0.0 and np.isfinite(numbers).all()
     printed = capfd.readouterr().out
@@ -87,7 +87,9 @@ def test_ratios():
             {"engine": "cycles", "sample_ms": 8.0},
             {"engine": "eevee", "sample_ms": 1.0, "picture_ms": 64.0}]
     threads = [{"threads": 1, "frame_ms": 9.0}, {"threads": 2, "frame_ms": 5.0}]
-    found = summary.ratios(models, rows, threads)
+    refraction = [{"engine": "traced", "sample_ms": 0.5}, {"engine": "cycles", "sample_ms": 6.0}]
+    found = summary.ratios({"models": models, "engines": rows, "refraction": refraction, "threads": threads})
+    assert found["cycles with 512 samples / traced with one, refraction only"] == pytest.approx(512 * 12.0)
     assert found["paper / bundle, frames of 4 x 4"] == pytest.approx(4.0)
     assert found["specular / bundle, frames of 4 x 4"] == pytest.approx(0.25)
     assert found["reference / cycles, one sample"] == pytest.approx(0.5)

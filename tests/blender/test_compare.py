@@ -391,9 +391,10 @@ def test_blur_of_a_flat_pane(tmp_path, roughness):
     report = json.loads((tmp_path / "report.json").read_text())
     truth = report["truth"]["kappa"]
     bundle, paper = (report["methods"][method]["kappa"] for method in ("bundle", "paper"))
-    print(f"pane, rough front {roughness}, smooth back: kappa {truth:.1f}, bundle {bundle:.1f}, paper {paper:.1f}")
-    # Beckmann's slopes have the variance alpha^2 / 2 each way; where all angles are small, a facet that is tilted
-    # by t turns light by (1 - 1 / eta) t, and the back makes (eta - 1) t of that.
+    print(f"pane, rough front {roughness}, smooth back: kappa {truth:.1f}, bundle {bundle:.1f}, "
+          f"paper {paper:.1f}")
+    # Beckmann's slopes have the variance alpha^2 / 2 each way; where all angles are small, a facet that is
+    # tilted by t turns light by (1 - 1 / eta) t, and the back makes (eta - 1) t of that.
     assert truth == pytest.approx(2.0 / (roughness ** 2 * 0.5) ** 2, rel=0.1)
     assert bundle == pytest.approx(truth, rel=0.1)
     assert f"<td class=\"\">{paper:.4g}</td>" in (tmp_path / "index.html").read_text()

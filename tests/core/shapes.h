@@ -11,11 +11,10 @@
 
 namespace verglas::shapes {
 
-// One smooth mesh of spheres around the origin. A radius below 0: the sphere faces its centre, as the wall of
-// a hollow does.
-inline std::shared_ptr<const Mesh> spheres(const std::vector<float>& radii) {
-    constexpr unsigned around = 96;
-    constexpr unsigned down = 48;
+// One smooth mesh of spheres around the origin, of `around` times half as many quads. A radius below 0: the
+// sphere faces its centre, as the wall of a hollow does.
+inline std::shared_ptr<const Mesh> spheres(const std::vector<float>& radii, unsigned around = 96) {
+    const unsigned down = around / 2;
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;
     std::vector<glm::uvec3> triangles;

@@ -89,7 +89,7 @@ def new_scene(model: Model, exponent: float) -> bpy.types.Scene:
     obj = next(obj for obj in scene.objects if obj.type == 'MESH')
     material = obj.data.materials[0]
     if model.mesh:
-        obj.data = _import_mesh(model.mesh)
+        obj.data = import_mesh(model.mesh)
         obj.data.materials.append(material)
         obj.rotation_euler = (0.0, 0.0, 0.0)
     material.verglas.ndf = 'BLINN_PHONG'
@@ -107,7 +107,7 @@ def _append_scene(name: str) -> bpy.types.Scene:
     return target.scenes[0]
 
 
-def _import_mesh(path: Path) -> bpy.types.Mesh:
+def import_mesh(path: Path) -> bpy.types.Mesh:
     """A smooth mesh without materials."""
     if bpy.app.version >= (4, 0, 0):
         bpy.ops.wm.ply_import(filepath=str(path))
