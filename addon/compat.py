@@ -75,6 +75,14 @@ def corner_normals(mesh: bpy.types.Mesh) -> np.ndarray:
     return normals.reshape(-1, 3)
 
 
+def uvs_of(layer: bpy.types.MeshUVLoopLayer) -> np.ndarray:
+    """(C, 2) float32 of the face corners."""
+    values, name = (layer.uv, "vector") if VERSION >= (3, 5, 0) else (layer.data, "uv")
+    uvs = np.empty(2 * len(values), np.float32)
+    values.foreach_get(name, uvs)
+    return uvs.reshape(-1, 2)
+
+
 def world_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
     """The evaluated world; view layers can override the scene's from 4.3."""
     override = getattr(depsgraph.view_layer_eval, "world_override", None)

@@ -99,6 +99,7 @@ def _on_load(*_) -> None:
 def register():
     faults.register()
     renderer.register()
+    sync.register()
     bpy.app.handlers.load_pre.append(_on_load)
     bpy.utils.register_class(VerglasRenderEngine)
 
@@ -107,5 +108,6 @@ def unregister():
     bpy.utils.unregister_class(VerglasRenderEngine)
     bpy.app.handlers.load_pre.remove(_on_load)
     world.forget_maps()
+    sync.unregister()
     renderer.unregister()
     faults.unregister()

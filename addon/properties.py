@@ -154,6 +154,13 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
         description="Absorption for each unit of length, as in the Volume Absorption node; 0 is clear",
         default=0.0, min=0.0, soft_max=100.0,
     )
+    bake_resolution: EnumProperty(
+        name="Bake Resolution",
+        description="Pixels along each side of the texture into which roughness is baked where it comes from "
+                    "procedural textures, generated or object coordinates, or several UV maps",
+        items=tuple((str(2 ** k), f"{2 ** k} px", "") for k in range(8, 13)),
+        default='1024',
+    )
     priority: IntProperty(
         name="Priority",
         description="Which material counts where objects overlap, as a drink that reaches into the wall of "

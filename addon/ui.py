@@ -141,6 +141,7 @@ class VERGLAS_MATERIAL_PT_glass(VerglasPanel, bpy.types.Panel):
         layout.prop(settings, "absorption_color")
         layout.prop(settings, "absorption_density")
         layout.prop(settings, "priority")
+        layout.prop(settings, "bake_resolution")
 
 
 _classes = (

@@ -6,7 +6,7 @@ import bpy
 from .. import compat
 from .. import verglas_core as core
 from ..faults import Warn
-from . import objects, world
+from . import changes, images, meshes, objects, roughness, world
 
 
 def scene_from(depsgraph: bpy.types.Depsgraph, warn: Warn) -> core.Scene:
@@ -14,4 +14,14 @@ def scene_from(depsgraph: bpy.types.Depsgraph, warn: Warn) -> core.Scene:
     scene = core.Scene()
     world.set_environment(scene, compat.world_of(depsgraph), warn)
     objects.add_objects(scene, depsgraph, warn)
+    for kept in (images, meshes, roughness):
+        kept.sweep()
     return scene
+
+
+def register():
+    changes.register()
+
+
+def unregister():
+    changes.unregister()

@@ -7,7 +7,8 @@ import numpy as np
 from .. import compat
 from .. import verglas_core as core
 from ..faults import Warn
-from . import nodes
+from . import expressions, nodes
+from .evaluation import expression_of
 
 NDF_OF_DISTRIBUTION = {
     'BECKMANN': 'BECKMANN',
@@ -21,17 +22,26 @@ IOR_RANGE = (1.0 / 3.0, 3.0)
 """The indices of refraction that the core has tables for."""
 
 
-def default_glass(name: str) -> core.Material:
+class Glass(core.Material):
+    """The core's material, whose roughness may yet vary over the surface."""
+
+    roughness_map: expressions.Expression | None = None
+    """in place of roughness where it varies"""
+    bake_resolution = 1024
+    """texels along the side of a texture that stands for it, where one has to be baked"""
+
+
+def default_glass(name: str) -> Glass:
     """What an object without a readable material is made of."""
-    glass = core.Material(name)
+    glass = Glass(name)
     glass.roughness = 0.25
     glass.ior = 1.5
     glass.fresnel = True
     return glass
 
 
-def from_blender(material: bpy.types.Material, warn: Warn) -> core.Material | None:
-    """None where the material has no glass in it."""
+def from_blender(material: bpy.types.Material, warn: Warn, check_images: bool = False) -> Glass | None:
+    """None where the material has no glass in it. check_images: as images.picture's."""
     owner = f"Material '{material.name}'"
     if not compat.uses_nodes(material):
         warn(f"{owner} doesn't use nodes; it is rendered as glass of roughness 0.25.")
@@ -39,7 +49,7 @@ def from_blender(material: bpy.types.Material, warn: Warn) -> core.Material | No
         _apply_panel(material, glass, has_volume=False)
         return glass
     output = nodes.output_node(material.node_tree)
-    glass = _surface(material, output, owner, warn) if output else None
+    glass = _surface(material, output, owner, warn, check_images) if output else None
     if glass is not None:
         has_volume = _volume(output, glass, owner, warn)
         _apply_panel(material, glass, has_volume)
@@ -47,15 +57,15 @@ def from_blender(material: bpy.types.Material, warn: Warn) -> core.Material | No
     return glass
 
 
-def _surface(material: bpy.types.Material, output: bpy.types.Node, owner: str,
-             warn: Warn) -> core.Material | None:
+def _surface(material: bpy.types.Material, output: bpy.types.Node, owner: str, warn: Warn,
+             check_images: bool) -> Glass | None:
     """The first glass node that feeds the output's Surface; other shaders beside it are warned of."""
     ignored = []
     glass = None
     for shader, groups in nodes.shader_nodes(nodes.Input(output.inputs["Surface"])):
         read = _READERS.get(shader.type)
         if glass is None and read is not None:
-            glass = read(material.name, nodes.Node(shader, groups, owner, warn))
+            glass = read(material.name, nodes.Node(shader, groups, owner, warn), check_images)
             if glass is not None:
                 continue
         ignored.append(nodes.title(shader))
@@ -65,22 +75,22 @@ def _surface(material: bpy.types.Material, output: bpy.types.Node, owner: str,
     return glass
 
 
-def _glass_bsdf(name: str, node: nodes.Node) -> core.Material:
-    glass = _microfacet(name, node)
+def _glass_bsdf(name: str, node: nodes.Node, check_images: bool) -> Glass:
+    glass = _microfacet(name, node, check_images)
     glass.fresnel = True
     glass.color = node.color("Color")
     glass.reflection_color = glass.color
     return glass
 
 
-def _refraction_bsdf(name: str, node: nodes.Node) -> core.Material:
-    glass = _microfacet(name, node)
+def _refraction_bsdf(name: str, node: nodes.Node, check_images: bool) -> Glass:
+    glass = _microfacet(name, node, check_images)
     glass.fresnel = False
     glass.color = node.color("Color")
     return glass
 
 
-def _principled_bsdf(name: str, node: nodes.Node) -> core.Material | None:
+def _principled_bsdf(name: str, node: nodes.Node, check_images: bool) -> Glass | None:
     metallic = np.clip(node.scalar("Metallic"), 0.0, 1.0)
     transmission = np.clip(node.scalar(*compat.TRANSMISSION), 0.0, 1.0) * (1.0 - metallic)
     if transmission == 0.0:
@@ -91,13 +101,16 @@ def _principled_bsdf(name: str, node: nodes.Node) -> core.Material | None:
     if node.scalar("Alpha", default=1.0) < 1.0:
         node.warn("has an Alpha below 1, which isn't supported yet; it is rendered as 1")
     base_color = node.color("Base Color")
-    glass = _microfacet(name, node)
+    glass = _microfacet(name, node, check_images)
     glass.fresnel = True
     glass.color = compat.principled_transmission_tint(base_color)
     glass.reflection_color = compat.principled_reflection_tint(base_color, node.color("Specular Tint"))
     if node.node.distribution == 'GGX':
-        smoothness = (1.0 - glass.roughness) * (1.0 - node.scalar("Transmission Roughness"))
-        glass.roughness = 1.0 - smoothness
+        smoothness = 1.0 - node.scalar("Transmission Roughness")
+        glass.roughness = 1.0 - (1.0 - glass.roughness) * smoothness
+        if glass.roughness_map is not None and smoothness != 1.0:
+            glass.roughness_map = glass.roughness_map.then(
+                lambda values: 1.0 - (1.0 - values) * smoothness, ("Transmission Roughness", smoothness))
     return glass
 
 
@@ -111,16 +124,34 @@ GLASS_NODES = frozenset(_READERS)
 """Types of the shader nodes that can be glass."""
 
 
-def _microfacet(name: str, node: nodes.Node) -> core.Material:
+def _microfacet(name: str, node: nodes.Node, check_images: bool) -> Glass:
     """What the three glass nodes have in common."""
-    glass = core.Material(name)
+    glass = Glass(name)
     distribution = node.node.distribution
     glass.ndf = NDF_OF_DISTRIBUTION[distribution]
-    glass.roughness = 0.0 if distribution == 'SHARP' else float(np.clip(node.scalar("Roughness"), 0.0, 1.0))
+    if distribution == 'SHARP':
+        glass.roughness = 0.0
+    else:
+        _set_roughness(glass, node, check_images)
     glass.ior = _ior(node)
     if node.is_linked("Normal"):
         node.warn("has a linked Normal, which isn't supported yet; the mesh's own normals are used")
     return glass
+
+
+def _set_roughness(glass: Glass, node: nodes.Node, check_images: bool) -> None:
+    found = node.input("Roughness")
+    roughness = nodes.own_value(found.socket)
+    try:
+        expression = expression_of(found, check_images)
+    except expressions.Unsupported as fault:
+        node.warn(f"takes its {found.socket.name} from {fault}; the input's own value is used")
+    else:
+        if expression.is_constant:
+            roughness = float(expression.evaluate(expressions.Points({})))
+        else:
+            glass.roughness_map = expression
+    glass.roughness = float(np.clip(roughness, 0.0, 1.0))
 
 
 def _ior(node: nodes.Node) -> float:
@@ -131,7 +162,7 @@ def _ior(node: nodes.Node) -> float:
     return clamped
 
 
-def _volume(output: bpy.types.Node, glass: core.Material, owner: str, warn: Warn) -> bool:
+def _volume(output: bpy.types.Node, glass: Glass, owner: str, warn: Warn) -> bool:
     """Sets the absorption from the output's Volume; returns whether anything is linked to it."""
     volumes = list(nodes.shader_nodes(nodes.Input(output.inputs["Volume"])))
     absorbing = next((volume for volume in volumes if volume[0].type == 'VOLUME_ABSORPTION'), None)
@@ -145,7 +176,7 @@ def _volume(output: bpy.types.Node, glass: core.Material, owner: str, warn: Warn
     return bool(volumes)
 
 
-def _apply_panel(material: bpy.types.Material, glass: core.Material, has_volume: bool) -> None:
+def _apply_panel(material: bpy.types.Material, glass: Glass, has_volume: bool) -> None:
     """What the Verglas panel adds to the nodes."""
     settings = material.verglas
     if settings.ndf != 'NODES':
@@ -153,6 +184,7 @@ def _apply_panel(material: bpy.types.Material, glass: core.Material, has_volume:
     if settings.absorption_density > 0.0 and not has_volume:
         glass.absorption = _absorption(np.array(settings.absorption_color), settings.absorption_density)
     glass.priority = settings.priority
+    glass.bake_resolution = int(settings.bake_resolution)
 
 
 def _absorption(color: np.ndarray, density: float) -> np.ndarray:

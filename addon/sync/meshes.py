@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Evaluated Blender meshes to core meshes."""
 
+import zlib
 from typing import NamedTuple
 
 import bpy
@@ -8,6 +9,9 @@ import numpy as np
 
 from .. import compat
 from .. import verglas_core as core
+from ..faults import Warn
+from . import nodes
+from .cache import Cache
 
 
 class MeshArrays(NamedTuple):
@@ -18,10 +22,42 @@ class MeshArrays(NamedTuple):
     """(V, 3) float32"""
     triangles: np.ndarray
     """(T, 3) int32"""
+    corners: np.ndarray
+    """(T, 3) int32 face corners of the triangles"""
     slots: np.ndarray
     """(T,) int32 material slot"""
     used_slots: tuple[int, ...]
     """the distinct ones of slots"""
+
+
+_arrays = Cache()
+_meshes = Cache()
+_generation = 0
+
+
+def note_change() -> None:
+    """Blender's meshes are read again when they are needed next."""
+    global _generation
+    _generation += 1
+
+
+def sweep() -> None:
+    """Forgets what wasn't asked for since the last sweep."""
+    _arrays.sweep()
+    _meshes.sweep()
+
+
+def clear() -> None:
+    _arrays.clear()
+    _meshes.clear()
+
+
+def arrays_of(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> MeshArrays:
+    """As read(); those of the viewport's are kept until a mesh changes."""
+    if depsgraph.mode != 'VIEWPORT':
+        return read(evaluated)
+    key = (depsgraph.as_pointer(), evaluated.data.as_pointer(), _generation)
+    return _arrays.get(key, lambda: read(evaluated))
 
 
 def read(evaluated: bpy.types.Object) -> MeshArrays:
@@ -33,22 +69,183 @@ def read(evaluated: bpy.types.Object) -> MeshArrays:
         slots = _get(mesh.loop_triangles, "material_index", 1, np.intc).reshape(-1)
         used_slots = tuple(np.unique(slots).tolist())
         positions = _get(mesh.vertices, "co", 3, np.float32)
+        corners = _get(mesh.loop_triangles, "loops", 3, np.intc)
         if compat.has_vertex_normals(mesh):
             normals = _get(mesh.vertex_normals, "vector", 3, np.float32)
             triangles = _get(mesh.loop_triangles, "vertices", 3, np.intc)
-            return MeshArrays(positions, normals, triangles, slots, used_slots)
+            return MeshArrays(positions, normals, triangles, corners, slots, used_slots)
         vertex_of_corner = _get(mesh.loops, "vertex_index", 1, np.intc).reshape(-1)
-        corners = _get(mesh.loop_triangles, "loops", 3, np.intc)
         positions, normals = positions[vertex_of_corner], compat.corner_normals(mesh)
-        return MeshArrays(positions, normals, corners, slots, used_slots)
+        return MeshArrays(positions, normals, corners, corners, slots, used_slots)
     finally:
         evaluated.to_mesh_clear()
 
 
-def to_core(name: str, arrays: MeshArrays, slots: frozenset[int]) -> core.Mesh:
-    """Only the triangles of these material slots."""
+def to_core(name: str, arrays: MeshArrays, slots: frozenset[int],
+            uvs: dict[int, np.ndarray] | None = None) -> core.Mesh:
+    """Only the triangles of these material slots. uvs: (T, 3, 2) of the slot's triangles' corners, where it
+    has a texture. The same mesh as of late, where nothing has changed."""
     kept = np.isin(arrays.slots, list(slots))
-    return core.Mesh(name, arrays.positions, arrays.normals, arrays.triangles[kept], arrays.slots[kept])
+    positions, normals, triangles = arrays.positions, arrays.normals, arrays.triangles[kept]
+    slot_of_triangle = arrays.slots[kept]
+    uv_of_vertex = None
+    if uvs:
+        uv_of_corner = np.zeros((len(triangles), 3, 2), np.float32)
+        for slot, values in uvs.items():
+            uv_of_corner[slot_of_triangle == slot] = values
+        source, triangles, uv_of_vertex = _split_at_seams(triangles, uv_of_corner, len(positions))
+        positions, normals = positions[source], normals[source]
+    content = (positions, normals, triangles, slot_of_triangle, uv_of_vertex)
+    sums = (0 if each is None else (len(each), zlib.crc32(np.ascontiguousarray(each))) for each in content)
+    key = (name, *sums)
+    return _meshes.get(key, lambda: core.Mesh(name, *content))
+
+
+def _split_at_seams(triangles: np.ndarray, uv_of_corner: np.ndarray,
+                    vertex_count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """One UV for each vertex: corners that differ from the others of theirs get a new one. Returns the vertex
+    that each is a copy of (V,), triangles (T, 3) and UVs (V, 2)."""
+    uvs = np.zeros((vertex_count, 2), np.float32)
+    uvs[triangles.reshape(-1)] = uv_of_corner.reshape(-1, 2)
+    differs = (uvs[triangles] != uv_of_corner).any(axis=2)
+    source = np.concatenate([np.arange(vertex_count), triangles[differs]])
+    split = triangles.copy()
+    split[differs] = vertex_count + np.arange(np.count_nonzero(differs))
+    return source, split, np.concatenate([uvs, uv_of_corner[differs]])
+
+
+class Surface:
+    """The triangles of one material slot, and what nodes can ask about them."""
+
+    def __init__(self, evaluated: bpy.types.Object, arrays: MeshArrays, slot: int, warn: Warn):
+        self.name = evaluated.data.name
+        self._evaluated = evaluated
+        self._arrays = arrays
+        self._kept = arrays.slots == slot
+        self._warn = warn
+        self._known: dict[tuple[str, str], np.ndarray] = {}
+
+    def corner_values(self, leaf: tuple[str, str]) -> np.ndarray:
+        """(T, 3, 3) or (T, 3) float32 of the triangles' corners, of an expression's leaf. 0, and a warning,
+        where the mesh has none such."""
+        if leaf not in self._known:
+            # Not its data: with subdivision on the GPU those aren't subdivided
+            mesh = self._evaluated.to_mesh()
+            try:
+                self._known[leaf] = self._read(mesh, *leaf)
+            finally:
+                self._evaluated.to_mesh_clear()
+        return self._known[leaf]
+
+    def at(self, leaf: tuple[str, str], triangle: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """(N, 3) or (N,) at points of triangles (N,), by barycentric weights (N, 3)."""
+        corners = self.corner_values(leaf)[triangle]
+        values = np.einsum('nk,nk...->n...', weights, corners)
+        if leaf[0] == 'NORMAL':
+            values /= np.maximum(np.linalg.norm(values, axis=1, keepdims=True), 1e-12)
+        return values
+
+    def _read(self, mesh: bpy.types.Mesh, kind: str, name: str) -> np.ndarray:
+        arrays, kept = self._arrays, self._kept
+        if kind == 'OBJECT':
+            return arrays.positions[arrays.triangles[kept]]
+        if kind == 'NORMAL':
+            return arrays.normals[arrays.triangles[kept]]
+        if kind == 'GENERATED':
+            return self._of_corners(_generated(mesh)[_vertices(mesh)])
+        if kind == 'UV':
+            return self._of_corners(self._uvs(mesh, name))
+        rgba, factor = self._attribute(mesh, name)
+        if kind == 'FACTOR':
+            return self._of_corners(factor)
+        if kind == 'ALPHA':
+            return self._of_corners(rgba[:, 3])
+        if kind == 'GRAY':
+            return self._of_corners(rgba[:, :3] @ nodes.LUMINANCE)
+        return self._of_corners(rgba[:, :3])
+
+    def _of_corners(self, values: np.ndarray) -> np.ndarray:
+        return values[self._arrays.corners[self._kept]]
+
+    def _uvs(self, mesh: bpy.types.Mesh, name: str) -> np.ndarray:
+        """(C, 3), the third 0"""
+        layers = mesh.uv_layers
+        layer = layers.get(name) if name else next((each for each in layers if each.active_render), None)
+        uvs = np.zeros((len(mesh.loops), 3), np.float32)
+        if layer is None or len(mesh.loops) == 0:
+            self._warn(f"Mesh '{self.name}' has no UV map{f' {name!r}' if name else ''}; its textures have "
+                       "coordinates of 0, as in Cycles.")
+            return uvs
+        uvs[:, :2] = compat.uvs_of(layer)
+        return uvs
+
+    def _attribute(self, mesh: bpy.types.Mesh, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """(C, 4) as a colour and (C,) as a number."""
+        count = len(mesh.loops)
+        attribute = _attribute_named(mesh, name)
+        field = None if attribute is None else ATTRIBUTE_FIELDS.get(attribute.data_type)
+        if field is None and name in mesh.uv_layers:
+            rgba = np.column_stack([self._uvs(mesh, name), np.ones(count, np.float32)])
+            return rgba, rgba[:, 0]
+        index = None if field is None else _index_of_domain(mesh, attribute.domain)
+        if index is None:
+            self._warn(f"Mesh '{self.name}' has no attribute {name!r} that can be read; it is 0, as in "
+                       "Cycles.")
+            return np.zeros((count, 4), np.float32), np.zeros(count, np.float32)
+        key, width, dtype = field
+        values = _get(attribute.data, key, width, dtype).astype(np.float32)[index]
+        rgba = np.ones((count, 4), np.float32)
+        rgba[:, :3] = values[:, :3] if width != 2 else np.column_stack([values, np.zeros(count)])
+        if width == 4:
+            rgba[:, 3] = values[:, 3]
+        return rgba, values[:, 0] if width == 2 else rgba[:, :3].mean(axis=1)
+
+
+ATTRIBUTE_FIELDS = {
+    'FLOAT': ("value", 1, np.float32),
+    'INT': ("value", 1, np.intc),
+    'INT8': ("value", 1, np.intc),
+    'BOOLEAN': ("value", 1, bool),
+    'FLOAT2': ("vector", 2, np.float32),
+    'FLOAT_VECTOR': ("vector", 3, np.float32),
+    'FLOAT_COLOR': ("color", 4, np.float32),
+    'BYTE_COLOR': ("color", 4, np.float32),
+}
+"""Property of an element, its width and type, by an attribute's data type; colours come scene-linear."""
+
+
+def _vertices(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(C,) vertex of each face corner."""
+    return _get(mesh.loops, "vertex_index", 1, np.intc).reshape(-1)
+
+
+def _index_of_domain(mesh: bpy.types.Mesh, domain: str) -> np.ndarray | None:
+    """(C,) where each face corner finds its value; None where Cycles reads none."""
+    if domain == 'CORNER':
+        return np.arange(len(mesh.loops))
+    if domain == 'POINT':
+        return _vertices(mesh)
+    if domain == 'FACE':
+        return np.repeat(np.arange(len(mesh.polygons)),
+                         _get(mesh.polygons, "loop_total", 1, np.intc).reshape(-1))
+    return None
+
+
+def _attribute_named(mesh: bpy.types.Mesh, name: str) -> bpy.types.Attribute | None:
+    """'*': the colours that the mesh renders with."""
+    if name != "*":
+        return mesh.attributes.get(name)
+    colors = mesh.color_attributes
+    index = colors.render_color_index
+    return colors[index] if 0 <= index < len(colors) else None
+
+
+def _generated(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(V, 3): 0 … 1 over the mesh's texture space, before modifiers that deform."""
+    positions = _get(mesh.vertices, "undeformed_co", 3, np.float32)
+    location = np.array(mesh.texspace_location, np.float32)
+    size = np.array(mesh.texspace_size, np.float32)
+    return (positions - location) / np.where(size != 0.0, 2.0 * size, 1.0) + 0.5
 
 
 def _get(collection, attribute: str, width: int, dtype: type) -> np.ndarray:

@@ -103,7 +103,7 @@ class Node:
             return value
         self.warn(f"takes its {found.socket.name} from '{title(found.source().node)}', which isn't supported "
                   "yet; the input's own value is used")
-        return _own_value(found.socket)
+        return own_value(found.socket)
 
 
 def constant(found: Input) -> float | tuple[float, ...] | None:
@@ -111,9 +111,9 @@ def constant(found: Input) -> float | tuple[float, ...] | None:
     isn't a Value, RGB or Combine XYZ node."""
     output, end = found.source()
     if output is None:
-        return _own_value(end.socket)
+        return own_value(end.socket)
     if output.node.type in {'VALUE', 'RGB'}:
-        return _own_value(output)
+        return own_value(output)
     if output.node.type == 'COMBXYZ':
         parts = [constant(Input(socket, end.groups)) for socket in output.node.inputs]
         return None if any(not isinstance(part, float) for part in parts) else tuple(parts)
@@ -142,7 +142,8 @@ def output_node(tree: bpy.types.ShaderNodeTree) -> bpy.types.Node | None:
     return tree.get_output_node('CYCLES') or tree.get_output_node('EEVEE')
 
 
-def _own_value(socket: bpy.types.NodeSocket) -> float | tuple[float, ...]:
+def own_value(socket: bpy.types.NodeSocket) -> float | tuple[float, ...]:
+    """What an input or output says itself."""
     value = socket.default_value
     return tuple(value) if hasattr(value, '__len__') else float(value)
 

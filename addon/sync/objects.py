@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything in an evaluated scene that is drawn: objects and their instances."""
 
+from collections.abc import Hashable
+
 import bpy
 import numpy as np
 
 from .. import verglas_core as core
 from ..faults import Warn
-from . import materials, meshes
+from . import materials, meshes, roughness
 
 UNSUPPORTED = {
     'CURVES': "Hair curves",
@@ -33,13 +35,18 @@ class _Sync:
     def __init__(self, scene: core.Scene, depsgraph: bpy.types.Depsgraph, warn: Warn):
         self.scene = scene
         self.warn = warn
+        self.depsgraph = depsgraph
         self.material_override = depsgraph.view_layer_eval.material_override
         self.arrays: dict[int, meshes.MeshArrays] = {}
         """by the mesh's address, which holds while the depsgraph isn't evaluated again"""
-        self.core_meshes: dict[tuple[int, frozenset[int]], core.Mesh] = {}
-        """by the mesh's address and its slots that are glass"""
-        self.material_indices: dict[str, int | None] = {}
+        self.core_meshes: dict[Hashable, core.Mesh] = {}
+        """by the mesh's address, its slots that are glass, and the materials of slots with textures"""
+        self.glasses: dict[str, materials.Glass | None] = {}
         """by the material's name with library; None where it isn't glass"""
+        self.paintings: dict[tuple[int, int, str], roughness.Painting] = {}
+        """by the mesh's address, slot and material"""
+        self.material_indices: dict[tuple[str, core.Texture | None], int] = {}
+        """by the material and its texture of roughness"""
 
     def add(self, instance: bpy.types.DepsgraphObjectInstance) -> None:
         obj = instance.object
@@ -56,12 +63,15 @@ class _Sync:
         arrays = self._arrays(obj)
         if len(arrays.triangles) == 0:
             return
-        materials_of_slots = self._materials(obj, arrays.used_slots)
-        slots = frozenset(slot for slot, index in materials_of_slots.items() if index is not None)
-        if slots:
+        keys_of_slots = self._materials(obj, arrays.used_slots)
+        if keys_of_slots:
+            paintings = {slot: self._painting(obj, arrays, slot, key) for slot, key in keys_of_slots.items()
+                         if self.glasses[key].roughness_map is not None}
+            indices = {slot: self._index(key, paintings.get(slot)) for slot, key in keys_of_slots.items()}
             # Triangles of the slots that aren't glass are not in the mesh: any index does for those
-            table = [materials_of_slots.get(slot) or 0 for slot in range(max(slots) + 1)]
-            self.scene.add_object(obj.name, self._core_mesh(obj, arrays, slots), matrix, table)
+            table = [indices.get(slot, 0) for slot in range(max(indices) + 1)]
+            mesh = self._core_mesh(obj, arrays, keys_of_slots, paintings)
+            self.scene.add_object(obj.name, mesh, matrix, table)
 
     def _has_volume(self, obj: bpy.types.Object, matrix: np.ndarray) -> bool:
         """Whether the object's transform leaves glass to look through."""
@@ -73,39 +83,64 @@ class _Sync:
     def _arrays(self, obj: bpy.types.Object) -> meshes.MeshArrays:
         key = obj.data.as_pointer()
         if key not in self.arrays:
-            self.arrays[key] = meshes.read(obj)
+            self.arrays[key] = meshes.arrays_of(obj, self.depsgraph)
         return self.arrays[key]
 
-    def _core_mesh(self, obj: bpy.types.Object, arrays: meshes.MeshArrays,
-                   slots: frozenset[int]) -> core.Mesh:
-        key = (obj.data.as_pointer(), slots)
+    def _core_mesh(self, obj: bpy.types.Object, arrays: meshes.MeshArrays, keys_of_slots: dict[int, str],
+                   paintings: dict[int, roughness.Painting]) -> core.Mesh:
+        painted = frozenset((slot, keys_of_slots[slot]) for slot in paintings)
+        key = (obj.data.as_pointer(), frozenset(keys_of_slots), painted)
         if key not in self.core_meshes:
-            self.core_meshes[key] = meshes.to_core(obj.data.name, arrays, slots)
-            for sentence in self.core_meshes[key].warnings:
+            uvs = {slot: painting.uvs for slot, painting in paintings.items()}
+            mesh = meshes.to_core(obj.data.name, arrays, frozenset(keys_of_slots), uvs)
+            self.core_meshes[key] = mesh
+            for sentence in mesh.warnings:
                 self.warn(sentence)
         return self.core_meshes[key]
 
-    def _materials(self, obj: bpy.types.Object, used_slots: tuple[int, ...]) -> dict[int, int | None]:
-        """For each used slot the core's material index, None where it isn't glass. Slots past the
-        object's last take that one, as in Cycles."""
+    def _painting(self, obj: bpy.types.Object, arrays: meshes.MeshArrays, slot: int,
+                  material: str) -> roughness.Painting:
+        key = (obj.data.as_pointer(), slot, material)
+        if key not in self.paintings:
+            glass = self.glasses[material]
+            surface = meshes.Surface(obj, arrays, slot, self.warn)
+            self.paintings[key] = roughness.paint(glass.roughness_map, surface, glass.bake_resolution)
+        return self.paintings[key]
+
+    def _index(self, material: str, painting: roughness.Painting | None) -> int:
+        """The core's index of a material, with the painting's texture of roughness."""
+        texture = painting.texture if painting else None
+        key = (material, texture)
+        if key not in self.material_indices:
+            glass = self.glasses[material]
+            glass.roughness_texture = texture
+            self.material_indices[key] = self.scene.add_material(glass)
+        return self.material_indices[key]
+
+    def _materials(self, obj: bpy.types.Object, used_slots: tuple[int, ...]) -> dict[int, str]:
+        """For each used slot that is glass the key of its material. Slots past the object's last take
+        that one, as in Cycles."""
         slots = obj.material_slots
         found = {}
         for slot in used_slots:
             material = slots[min(slot, len(slots) - 1)].material if len(slots) else None
             found[slot] = self._material(obj, self.material_override or material)
-        return found
+        return {slot: key for slot, key in found.items() if key is not None}
 
-    def _material(self, obj: bpy.types.Object, material: bpy.types.Material | None) -> int | None:
+    def _material(self, obj: bpy.types.Object, material: bpy.types.Material | None) -> str | None:
+        """The key of a material; None where it isn't glass."""
         if material is None:
             self.warn(f"Object '{obj.name}' has no material; it is rendered as glass of roughness 0.25.")
         key = material.name_full if material else ""
-        if key not in self.material_indices:
-            glass = materials.from_blender(material, self.warn) if material else materials.default_glass("")
-            self.material_indices[key] = None if glass is None else self.scene.add_material(glass)
-        if self.material_indices[key] is None:
+        if key not in self.glasses:
+            check_images = self.depsgraph.mode == 'RENDER'
+            self.glasses[key] = (materials.from_blender(material, self.warn, check_images) if material
+                                 else materials.default_glass(""))
+        if self.glasses[key] is None:
             self.warn(f"Object '{obj.name}': material '{material.name}' has no glass in it; opaque materials "
                       "aren't supported yet, so its faces are left out.")
-        return self.material_indices[key]
+            return None
+        return key
 
     def _warn_of_features(self, obj: bpy.types.Object) -> None:
         if obj.is_holdout:

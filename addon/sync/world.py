@@ -12,7 +12,7 @@ from mathutils import Euler
 from .. import compat
 from .. import verglas_core as core
 from ..faults import Warn
-from . import nodes
+from . import images, nodes
 
 MISSING_COLOR = np.array((1.0, 0.0, 1.0), np.float32)
 """What Blender shows for an image that can't be read."""
@@ -135,7 +135,7 @@ def _load(image: bpy.types.Image, texture: nodes.Node) -> core.EnvironmentMap:
         texture.warn(f"has an image in the color space '{color_space}', which isn't supported yet; "
                      "it is read as linear")
     if is_srgb and not image.is_float:
-        pixels[..., :3] = _linear_from_srgb(pixels[..., :3])
+        pixels[..., :3] = images.linear_from_srgb(pixels[..., :3])
     key = (image.name_full, hashlib.blake2b(pixels, digest_size=16).digest())
     return _cached(key, lambda: core.EnvironmentMap(image.name, pixels))
 
@@ -156,10 +156,6 @@ def _pixels(image: bpy.types.Image) -> np.ndarray:
     image.pixels.foreach_get(pixels)
     pixels = pixels.reshape(height, width, -1)
     return pixels if pixels.shape[2] >= 3 else np.repeat(pixels[..., :1], 3, axis=2)
-
-
-def _linear_from_srgb(values: np.ndarray) -> np.ndarray:
-    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
 
 
 def _cached(key: Hashable, make: Callable[[], core.EnvironmentMap]) -> core.EnvironmentMap:

@@ -6,6 +6,7 @@
 #include <pybind11/stl.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <glm/gtc/type_ptr.hpp>
 #include <optional>
@@ -67,6 +68,7 @@ Rgb rgb_of(const glm::vec3& v) { return {v.r, v.g, v.b}; }
 constexpr std::array<const char*, 3> ndf_names = {"BECKMANN", "GGX", "BLINN_PHONG"};
 constexpr std::array<const char*, 3> lobe_event_names = {"REFRACT", "REFRACT_WITHOUT_FRESNEL", "REFLECT"};
 constexpr std::array<const char*, 3> extension_names = {"REPEAT", "EXTEND", "CLIP"};
+constexpr std::array<const char*, 2> interpolation_names = {"LINEAR", "CLOSEST"};
 constexpr std::array<const char*, 5> transport_names = {"BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP", "SPECULAR"};
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
 constexpr std::array<const char*, 2> path_mode_names = {"TWO_INTERFACE", "FULL"};
@@ -122,12 +124,13 @@ std::shared_ptr<Mesh> make_mesh(const std::string& name, const Array<float>& pos
 }
 
 std::shared_ptr<Texture> make_texture(const std::string& name, const Array<float>& values,
-                                      const std::string& extension) {
+                                      const std::string& extension, const std::string& interpolation) {
     if (values.ndim() != 2) throw Error("Texture '" + name + "' must have the shape (H, W).");
     return std::make_shared<Texture>(name, static_cast<int>(values.shape(1)),
                                      static_cast<int>(values.shape(0)),
                                      std::vector<float>(values.data(), values.data() + values.size()),
-                                     enum_of<Extension>(extension_names, extension));
+                                     enum_of<Extension>(extension_names, extension),
+                                     enum_of<Interpolation>(interpolation_names, interpolation));
 }
 
 std::shared_ptr<EnvironmentMap> make_map(const std::string& name, const Array<float>& pixels) {
@@ -190,7 +193,18 @@ void bind_scene(py::module_& module) {
         .def_property_readonly("warnings", &Mesh::warnings);
 
     py::class_<Texture, std::shared_ptr<Texture>>(module, "Texture")
-        .def(py::init(&make_texture), py::arg("name"), py::arg("values"), py::arg("extension") = "REPEAT")
+        .def(py::init(&make_texture), py::arg("name"), py::arg("values"), py::arg("extension") = "REPEAT",
+             py::arg("interpolation") = "LINEAR")
+        .def(
+            "sample",
+            [](const Texture& self, const Array<float>& uvs) {
+                const auto places = rows_of<glm::vec2>(uvs, 2, "uvs");
+                py::array_t<float> values(static_cast<py::ssize_t>(places.size()));
+                std::transform(places.begin(), places.end(), values.mutable_data(),
+                               [&self](const glm::vec2& uv) { return self.sample(uv); });
+                return values;
+            },
+            py::arg("uvs"))
         .def_property_readonly("name", &Texture::name)
         .def_property_readonly("width", &Texture::width)
         .def_property_readonly("height", &Texture::height);

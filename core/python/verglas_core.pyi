@@ -58,10 +58,15 @@ class Mesh:
     def warnings(self) -> list[str]: ...
 
 class Texture:
-    """A picture of single values over UV in [0, 1]^2, interpolated bilinearly. Immutable."""
+    """A picture of single values over UV in [0, 1]^2. Immutable."""
 
-    def __init__(self, name: str, values: ArrayLike, extension: str = "REPEAT") -> None:
-        """values: (H, W) float32, row 0 at v = 0. extension: 'REPEAT', 'EXTEND' or 'CLIP' (0 outside)."""
+    def __init__(
+        self, name: str, values: ArrayLike, extension: str = "REPEAT", interpolation: str = "LINEAR"
+    ) -> None:
+        """values: (H, W) float32, row 0 at v = 0. extension: 'REPEAT', 'EXTEND' or 'CLIP' (0 outside).
+        interpolation: 'LINEAR' (bilinear) or 'CLOSEST'."""
+    def sample(self, uvs: ArrayLike) -> NDArray[np.float32]:
+        """(N,) values at uvs (N, 2)."""
     @property
     def name(self) -> str: ...
     @property

@@ -9,12 +9,14 @@
 
 namespace verglas {
 
-Texture::Texture(std::string name, int width, int height, std::vector<float> values, Extension extension)
+Texture::Texture(std::string name, int width, int height, std::vector<float> values, Extension extension,
+                 Interpolation interpolation)
     : name_(std::move(name)),
       width_(width),
       height_(height),
       values_(std::move(values)),
-      extension_(extension) {
+      extension_(extension),
+      interpolation_(interpolation) {
     if (width < 1 || height < 1 || values_.size() != std::size_t(width) * height)
         throw Error("Texture '" + name_ + "' has no pixels, or not as many as its size says.");
 }
@@ -31,7 +33,18 @@ float Texture::texel(int x, int y) const {
 
 float Texture::sample(glm::vec2 uv) const {
     if (extension_ == Extension::Repeat) uv -= glm::floor(uv);
-    // Far outside all extensions are constant, and integers would overflow.
+    return interpolation_ == Interpolation::Closest ? closest(uv) : bilinear(uv);
+}
+
+// Far outside all extensions are constant, and integers would overflow.
+
+float Texture::closest(glm::vec2 uv) const {
+    const glm::vec2 size(width_, height_);
+    const glm::ivec2 place(glm::clamp(glm::floor(uv * size), glm::vec2(-1.0F), size));
+    return texel(place.x, place.y);
+}
+
+float Texture::bilinear(glm::vec2 uv) const {
     const glm::vec2 size(width_, height_);
     const glm::vec2 place = glm::clamp(uv * size - 0.5F, glm::vec2(-2.0F), size + 1.0F);
     const glm::vec2 corner = glm::floor(place);

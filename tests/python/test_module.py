@@ -341,6 +341,23 @@ def test_path_tracer_follows_total_reflection():
     assert 0.1 < dark.mean() < 0.9
 
 
+@pytest.mark.parametrize("interpolation, expected", [
+    ("LINEAR", [0.25, 0.0, 0.5]), ("CLOSEST", [0.0, 0.0, 1.0])])
+def test_texture_between_its_texels(interpolation, expected):
+    """A pixelated mask would be smeared, or a smooth one have steps."""
+    texture = verglas.Texture("Steps", [[0.0, 1.0]], "EXTEND", interpolation)
+    assert texture.sample([(0.375, 0.5), (-3.0, 0.5), (0.5, 0.5)]) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("extension, expected", [("REPEAT", 0.75), ("EXTEND", 0.25), ("CLIP", 0.0)])
+def test_closest_texel_beyond_the_borders(extension, expected):
+    """Texture coordinates far outside would crash, or find another extension."""
+    texture = verglas.Texture("Steps", [[0.25, 0.75]], extension, "CLOSEST")
+    near, far = texture.sample([(-2.25, 0.5), (-1e30, 0.5)])
+    assert near == pytest.approx(expected)
+    assert far in {0.25, 0.75} if extension == "REPEAT" else far == pytest.approx(expected)
+
+
 def test_path_tracer_reads_roughness_from_a_texture():
     """A researcher loses: the truth of glass whose roughness varies, and the right way up."""
     def picture(texture):

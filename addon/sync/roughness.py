@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Textures of single values, with coordinates, for expressions that vary over a mesh."""
+
+import zlib
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import verglas_core as core
+from . import atlas
+from .cache import Cache
+from .expressions import NUMBERS, Expression, Leaf, Points, Texels
+from .meshes import Surface
+
+TABLE_ENTRIES = 1024
+"""Of an expression of one quantity."""
+
+FINE_TEXELS = 1 << 20
+"""Up to this many, a texture is made finer than its image, where what lies between image and value bends."""
+
+CHUNK = 1 << 18
+"""Points that are evaluated at a time."""
+
+
+class Painting(NamedTuple):
+    """An expression on the triangles of a surface."""
+    texture: core.Texture
+    uvs: np.ndarray
+    """(T, 3, 2) float32 of the triangles' corners"""
+
+
+_textures = Cache()
+_paintings = Cache()
+
+
+def sweep() -> None:
+    """Forgets what wasn't asked for since the last sweep."""
+    _textures.sweep()
+    _paintings.sweep()
+
+
+def clear() -> None:
+    _textures.clear()
+    _paintings.clear()
+
+
+def paint(expression: Expression, surface: Surface, resolution: int) -> Painting:
+    """resolution: texels along the side of a texture that has to be baked."""
+    if not expression.leaves and len(expression.placements) == 1 \
+            and len({image.extension for image in expression.placed}) == 1:
+        return _of_images(expression, surface)
+    if not expression.placed and len(expression.leaves) == 1:
+        leaf, = expression.leaves
+        if leaf[0] in NUMBERS:
+            return _of_one_quantity(expression, surface, leaf)
+    return _baked(expression, surface, resolution)
+
+
+def _texture(key, name: str, make: Callable[[], np.ndarray], extension: str,
+             interpolation: str = 'LINEAR') -> core.Texture:
+    def made() -> core.Texture:
+        return core.Texture(name, make(), extension, interpolation)
+    return _textures.get((key, extension, interpolation), made)
+
+
+# Images on one UV map
+
+def _of_images(expression: Expression, surface: Surface) -> Painting:
+    """Exact where the value is the image's own; else as fine as the image, or finer."""
+    placement, = expression.placements
+    extension = expression.placed[0].extension
+    width, height = np.max([image.size for image in expression.placed], axis=0).tolist()
+    uvs = placement.apply(surface.corner_values(('UV', placement.uv_map)))
+    is_closest = all(image.interpolation == 'Closest' for image in expression.placed)
+    is_texels = is_closest or (expression.is_plain and expression.placed[0].interpolation == 'Linear')
+    fine = 1 if is_texels else _odd(float(np.clip((FINE_TEXELS / (width * height)) ** 0.5, 1.0, 15.0)))
+    is_cubic = any(image.interpolation in {'Cubic', 'Smart'} for image in expression.placed)
+    lower, upper = _range_of(extension, is_cubic, width, height)
+    uvs = (uvs - lower) / (upper - lower)
+    texture = _texture(
+        ("images", expression.key, fine), surface.name,
+        lambda: _at_texels(expression, lower, upper, (width * fine, height * fine)),
+        'REPEAT' if extension in {'REPEAT', 'MIRROR'} else 'EXTEND', 'CLOSEST' if is_closest else 'LINEAR')
+    return Painting(texture, uvs.astype(np.float32))
+
+
+def _odd(number: float) -> int:
+    """The next lower one: the image's own texels are then among the finer ones, and values bend there."""
+    return 2 * (int(number + 1.0) // 2) - 1
+
+
+def _range_of(extension: str, is_cubic: bool, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
+    """The image's coordinates over which a texture holds all of it, with the border in which it fades out."""
+    if extension in {'REPEAT', 'MIRROR'}:
+        return np.zeros(2), np.full(2, 2.0 if extension == 'MIRROR' else 1.0)
+    texels = 2 if is_cubic else 1 if extension == 'CLIP' else 0
+    border = texels / np.array([width, height])
+    return -border, 1.0 + border
+
+
+def _at_texels(expression: Expression, lower: np.ndarray, upper: np.ndarray,
+               texels: tuple[int, int]) -> np.ndarray:
+    """(H, W): the expression at the texels' centres. texels: for coordinates 0 … 1."""
+    width, height = np.rint((upper - lower) * texels).astype(int).tolist()
+    x, y = (lower[i] + (np.arange(size) + 0.5) / size * (upper[i] - lower[i])
+            for i, size in enumerate((width, height)))
+    values = np.empty((height, width), np.float32)
+    step = max(1, CHUNK // width)
+    for first in range(0, height, step):
+        rows = slice(first, min(first + step, height))
+        points = Points({}, lambda rows=rows: _grid(x, y[rows]),
+                        Texels(texels, rows) if (width, height) == texels else None)
+        values[rows] = np.reshape(_finite(expression.evaluate(points)), (-1, width))
+    return values
+
+
+def _grid(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(N, 2), row by row."""
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+
+
+# One quantity of the mesh
+
+def _of_one_quantity(expression: Expression, surface: Surface, leaf: Leaf) -> Painting:
+    """A table over the quantity: exact wherever it lies between the corners' values."""
+    values = surface.corner_values(leaf)
+    lower, upper = float(values.min()), float(values.max())
+
+    def entries() -> np.ndarray:
+        inputs = np.linspace(lower, upper, TABLE_ENTRIES, dtype=np.float32)
+        return np.broadcast_to(_finite(expression.evaluate(Points({leaf: inputs}))), TABLE_ENTRIES)[None]
+    texture = _texture(("quantity", expression.key, lower, upper), surface.name, entries, 'EXTEND')
+    return Painting(texture, _table_uvs(values, lower, upper, TABLE_ENTRIES))
+
+
+def _table_uvs(values: np.ndarray, lower: float, upper: float, count: int) -> np.ndarray:
+    """(T, 3, 2) where a table of count entries, lower … upper, has the corners' values (T, 3)."""
+    place = (values - lower) / max(upper - lower, 1e-12) * (count - 1) + 0.5
+    return np.stack([place / count, np.full_like(place, 0.5)], axis=-1).astype(np.float32)
+
+
+# Anything else
+
+def _baked(expression: Expression, surface: Surface, resolution: int) -> Painting:
+    """Evaluated at the texels of an atlas of the triangles; at the corners of meshes that are finer than
+    that."""
+    needed = set(expression.leaves) | {('UV', placement.uv_map) for placement in expression.placements}
+    sums = tuple(zlib.crc32(np.ascontiguousarray(surface.corner_values(leaf))) for leaf in sorted(needed))
+    corners = surface.corner_values(('OBJECT', ''))
+    key = ("baked", expression.key, resolution, sums, zlib.crc32(np.ascontiguousarray(corners)))
+    bake = _at_atlas if atlas.fits(len(corners), resolution) else _at_corners
+    return _paintings.get(key, lambda: bake(expression, surface, resolution))
+
+
+def _at_atlas(expression: Expression, surface: Surface, resolution: int) -> Painting:
+    laid_out = atlas.lay_out(surface.corner_values(('OBJECT', '')), resolution)
+    values = np.full(resolution * resolution, np.nan, np.float32)
+    for texels in laid_out.texels:
+        values[texels.index] = _evaluated(expression, surface, texels.triangle, texels.weights)
+    mean = np.nanmean(values)  # for the texels between, so that the texture's own mean is the surface's
+    values = np.where(np.isnan(values), mean, values).reshape(resolution, resolution)
+    return Painting(core.Texture(surface.name, values, 'EXTEND'), laid_out.uvs)
+
+
+def _at_corners(expression: Expression, surface: Surface, resolution: int) -> Painting:
+    count = len(surface.corner_values(('OBJECT', '')))
+    values = _evaluated(expression, surface, np.repeat(np.arange(count), 3),
+                        np.tile(np.eye(3, dtype=np.float32), (count, 1)))
+    lower, upper = float(values.min()), float(values.max())
+    uvs = _table_uvs(values.reshape(-1, 3), lower, upper, 2)
+    return Painting(core.Texture(surface.name, np.array([[lower, upper]], np.float32), 'EXTEND'), uvs)
+
+
+def _evaluated(expression: Expression, surface: Surface, triangle: np.ndarray,
+               weights: np.ndarray) -> np.ndarray:
+    """(N,) at points of triangles, by barycentric weights (N, 3)."""
+    parts = []
+    for first in range(0, len(triangle), CHUNK):
+        part = slice(first, first + CHUNK)
+        points = Points(lambda leaf, part=part: surface.at(leaf, triangle[part], weights[part]))
+        parts.append(np.broadcast_to(_finite(expression.evaluate(points)), len(triangle[part])))
+    return np.concatenate(parts) if parts else np.zeros(0, np.float32)
+
+
+def _finite(values: np.ndarray) -> np.ndarray:
+    return np.nan_to_num(values, posinf=1.0, neginf=0.0)
