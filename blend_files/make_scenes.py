@@ -10,7 +10,7 @@ monkey is open behind its eyes, as Blender makes it.
 
 import sys
 from collections.abc import Callable
-from math import acos, cos, degrees, pi, radians, sin, sqrt, tan
+from math import acos, atan2, cos, degrees, pi, radians, sin, sqrt, tan
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,6 +21,7 @@ from mathutils import Matrix, Vector
 FOLDER = Path(__file__).resolve().parent
 ENVIRONMENT = "environments/rooitou_park_1k.exr"
 ENVIRONMENT_ROTATION = radians(160)
+LAND_MASK = "textures/land_mask.png"
 ENGINE = "VERGLAS"
 
 
@@ -145,6 +146,22 @@ def pane():
     return bpy.data.objects.new("Pane", new_mesh("Pane", bm, smooth=False))
 
 
+def globe():
+    """A sphere with longitude and latitude as UV: 0 … 1 from longitude -180, and from the south pole."""
+    bm = revolve([(sin(pi * i / 64), cos(pi * i / 64)) for i in range(65)], 128)
+    layer = bm.loops.layers.uv.new("UVMap")
+    for face in bm.faces:
+        middle = face.calc_center_median()
+        for loop in face.loops:
+            x, y, z = loop.vert.co
+            # At a pole that of the face; elsewhere on the face's side of the seam.
+            at_pole = abs(z) > 1 - 1e-6
+            longitude = atan2(middle.y, middle.x) if at_pole else atan2(y, x)
+            turns = round((atan2(middle.y, middle.x) - longitude) / (2 * pi))
+            loop[layer].uv = (longitude / (2 * pi) + turns + 0.5, 1 - acos(max(-1, min(z, 1))) / pi)
+    return bpy.data.objects.new("Globe", new_mesh("Globe", bm, smooth=True))
+
+
 def gem():
     """A round brilliant with Tolkowsky's angles, radius 1.3: 57 facets, girdle of 16 sides, pointed culet.
 
@@ -197,6 +214,27 @@ def glass(roughness):
     bsdf.inputs["Roughness"].default_value = roughness
     bsdf.inputs["IOR"].default_value = 1.5
     tree.links.new(bsdf.outputs["BSDF"], output.inputs["Surface"])
+    return material
+
+
+def land_and_water():
+    """Glass that is rough where land is and smoother on water: as Blinn-Phong's exponents 4.2 and 100."""
+    land, water = ((2 / (exponent + 2)) ** 0.25 for exponent in (4.2, 100))
+    material = glass(water)
+    material.name = "Land and Water"
+    tree = material.node_tree
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = bpy.data.images.load(str(FOLDER / LAND_MASK))
+    texture.image.filepath = "//" + LAND_MASK
+    texture.image.colorspace_settings.name = "Non-Color"
+    texture.location = (-480, 0)
+    roughness = tree.nodes.new("ShaderNodeMapRange")
+    roughness.inputs["To Min"].default_value = water
+    roughness.inputs["To Max"].default_value = land
+    roughness.location = (-200, 0)
+    bsdf = next(node for node in tree.nodes if node.type == 'BSDF_GLASS')
+    tree.links.new(texture.outputs["Color"], roughness.inputs["Value"])
+    tree.links.new(roughness.outputs["Result"], bsdf.inputs["Roughness"])
     return material
 
 
@@ -269,7 +307,7 @@ def arrange_windows():
 
 class Sample(NamedTuple):
     make_object: Callable
-    roughness: tuple  # of each material
+    materials: tuple  # a roughness or what makes the material, each
     rotation: tuple = (0, 0, 0)
     make_world: Callable = park
 
@@ -281,6 +319,7 @@ SCENES = {
     "bottle": Sample(bottle, (0.35,)),
     "slab": Sample(slab, (0.4,), (0, 0, radians(30))),
     "pane": Sample(pane, (0.35, 0.0), make_world=sun),
+    "globe": Sample(globe, (land_and_water,), (0, 0, radians(-100))),
     "gem": Sample(gem, (0.25,), (radians(42), radians(-12), 0)),
 }
 
@@ -293,8 +332,8 @@ def make(name):
     if object.name not in scene.collection.all_objects:
         scene.collection.objects.link(object)
     object.rotation_euler = sample.rotation
-    for roughness in sample.roughness:
-        object.data.materials.append(glass(roughness))
+    for material in sample.materials:
+        object.data.materials.append(material() if callable(material) else glass(material))
     scene.world = sample.make_world()
     scene.camera = camera()
     scene.collection.objects.link(scene.camera)
