@@ -110,12 +110,12 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
     )
     back_roughness: EnumProperty(
         name="Back Roughness",
-        description="What the back of the glass has of a texture of roughness; the front always has all of it",
+        description="What the back of the glass has of a texture of roughness; the front has all of it",
         items=(
             ('SIMPLE', "Simple", "The texture's mean: what is painted on the back isn't seen"),
             ('COVERAGE', "Coverage",
-             "Classes of roughness, each by the part of the back that it covers: what is painted there is seen "
-             "through the front"),
+             "Classes of roughness, each by the part of the back that it covers: what is painted there is "
+             "seen through the front"),
         ),
         default='COVERAGE',
     )

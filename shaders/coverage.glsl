@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Which part of a footprint on the back faces has which class of roughness (de Rousiers et al. 2012, section 5.1).
-// Where roughness varies, CLASSES is defined as the number of classes, and CLASS_LAYERS as that of layers that hold four
-// each; else there is one class. Classes are those of the material that the ray leaves through: where its footprint reaches over to
-// another material, that one's shares count for its own classes.
+// Where roughness varies, CLASSES is defined as the number of classes, and CLASS_LAYERS as that of layers that hold
+// four each; else there is one class. Classes are those of the material that the ray leaves through: where its footprint
+// reaches over to another material, that one's shares count for its own classes.
 #include "materials.glsl"
 #include "screen_space.glsl"
 

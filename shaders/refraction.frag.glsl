@@ -186,8 +186,8 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
 #ifdef TRANSPORT_PAPER
 const int MAX_ANISOTROPY = 8;
 
-// A box of pixels as squares in a row: an anisotropic look-up in a pyramid, spelled out since OpenGL 4.5 need not filter
-// anisotropically.
+// A box of pixels as squares in a row: an anisotropic look-up in a pyramid, spelled out since OpenGL 4.5 need not
+// filter anisotropically.
 struct Box {
     int taps;
     vec2 center;

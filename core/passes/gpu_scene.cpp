@@ -68,6 +68,8 @@ GpuTexture upload(const Texture& texture) {
                        static_cast<int>(std::bit_width(static_cast<unsigned>(longer))));
     glTextureParameteri(result.id(), GL_TEXTURE_WRAP_S, wrap_of(texture.extension()));
     glTextureParameteri(result.id(), GL_TEXTURE_WRAP_T, wrap_of(texture.extension()));
+    if (texture.interpolation() == Interpolation::Closest)
+        glTextureParameteri(result.id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
     glTextureSubImage2D(result.id(), 0, 0, 0, texture.width(), texture.height(), GL_RED, GL_FLOAT,
                         texture.values().data());

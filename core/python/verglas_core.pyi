@@ -173,9 +173,9 @@ class Settings:
     tir: str
     """Total internal reflection: 'NONE', 'INCIDENT' or 'CLAMP' (default)."""
     back_roughness: str
-    """Where a texture makes roughness vary, what back faces have of it. 'COVERAGE' (default): classes of roughness, each
-    with the part that it covers of what a lobe reaches, for transports 'BUNDLE', 'PAPER' and 'SINGLE'; 'SIMPLE': the
-    texture's mean. Front faces have the texture itself."""
+    """Where a texture makes roughness vary, what back faces have of it. 'COVERAGE' (default): classes of
+    roughness, each with the part that it covers of what a lobe reaches, for transports 'BUNDLE', 'PAPER' and
+    'SINGLE'; 'SIMPLE': the texture's mean. Front faces have the texture itself."""
     roughness_classes: int
     """How many classes a texture has at most, 2 … 8. Default 4."""
     reflection: bool

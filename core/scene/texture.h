@@ -25,6 +25,7 @@ class Texture {
     int height() const { return height_; }
     const std::vector<float>& values() const { return values_; }
     Extension extension() const { return extension_; }
+    Interpolation interpolation() const { return interpolation_; }
 
     // Clip is 0 outside.
     float sample(glm::vec2 uv) const;

@@ -48,13 +48,13 @@ float believed(float variance, float noise) { return variance / (variance + nois
 
 }  // namespace
 
-// A Pixel in units of the brightness around it.
+// What is known of a pixel, as means over samples.
 struct ProgressivePicture::Estimate {
     int object;
-    float scale;      // of the others
-    float light;      // the first sample's
-    glm::vec3 error;  // mean over samples
-    float square;     // mean over samples
+    float light;   // the first sample's
+    float window;  // the same, of the window
+    glm::vec3 error;
+    float square;
 };
 
 struct ProgressivePicture::Estimates {
@@ -198,8 +198,6 @@ void ProgressivePicture::resolve(const Rect& tile, Frame& frame) const {
     });
 }
 
-// Brightness is that of the pixel and of the window around it, so that neither a lamp nor the dark beside it
-// decides alone how much a window is believed.
 ProgressivePicture::Estimate ProgressivePicture::estimate(glm::ivec2 pixel) const {
     const Pixel& sum = known(pixel);
     float window = 0.0F;
@@ -209,17 +207,19 @@ ProgressivePicture::Estimate ProgressivePicture::estimate(glm::ivec2 pixel) cons
         window += mean(known(other).mean_base());
         count += 1.0F;
     });
-    const float light = mean(sum.mean_base());
-    const float scale = 1.0F / std::max(light + window / count, 1e-12F);
     const float share = 1.0F / static_cast<float>(settings_.samples - 1);
-    return {sum.object, scale, scale * light, share * scale * sum.error, share * scale * scale * sum.square};
+    return {sum.object, mean(sum.mean_base()), window / count, share * sum.error, share * sum.square};
 }
 
-// What the first sample shows, and as much of its error as is believed.
+// What the first sample shows, and as much of its error as is believed. Errors of a window's pixels count in
+// units of their brightness and the window's, so that neither a lamp nor the dark beside it decides alone.
 glm::vec3 ProgressivePicture::corrected(glm::ivec2 pixel, const Estimates& estimates) const {
     const glm::vec3 base = known(pixel).mean_base();
     if (known(pixel).object < 0) return base;
     const Estimate& own = estimates.at(pixel);
+    const auto unit = [&own](const Estimate& estimate) {
+        return std::max(estimate.light + own.window, 1e-12F);
+    };
     glm::vec3 error(0.0F);
     float squared_errors = 0.0F;
     float noise = 0.0F;
@@ -227,24 +227,25 @@ glm::vec3 ProgressivePicture::corrected(glm::ivec2 pixel, const Estimates& estim
     for_each_neighbour(pixel, window_reach, drawn_rect_, [&](glm::ivec2 other) {
         const Estimate& estimate = estimates.at(other);
         if (estimate.object != own.object) return;
-        error += estimate.error;
-        squared_errors += squared(mean(estimate.error));
-        noise += estimate.square;
+        error += estimate.error / unit(estimate);
+        squared_errors += squared(mean(estimate.error) / unit(estimate));
+        noise += estimate.square / squared(unit(estimate));
         count += 1.0F;
     });
     error /= count;
     // Of a mean over samples. Squares about 0 stand in for the variance, which few samples tell too low.
     const auto drawn = static_cast<float>(settings_.samples - 1);
     noise /= count * drawn;
-    const float own_noise = std::max(noise, own.square / drawn);
-    const float least = squared(possible_error * own.light) + 1e-12F;
+    const float own_noise = std::max(noise, own.square / squared(unit(own)) / drawn);
+    const float least = squared(possible_error * own.light / unit(own)) + 1e-12F;
 
     const float of_window = std::max(squared(mean(error)) - noise / count, least);
     const float inside_window =
         drawn > 1.0F ? std::max(squared_errors / count - squared(mean(error)) - noise, least) : least;
+    const glm::vec3 own_error = own.error / unit(own) - error;
     const glm::vec3 correction =
-        believed(of_window, noise / count) * error + believed(inside_window, own_noise) * (own.error - error);
-    return glm::max(base + correction / own.scale, 0.0F);
+        believed(of_window, noise / count) * error + believed(inside_window, own_noise) * own_error;
+    return glm::max(base + unit(own) * correction, 0.0F);
 }
 
 }  // namespace verglas

@@ -86,8 +86,8 @@ SHARED Lobe lobe_from_moments(Moments moments) {
     return lobe;
 }
 
-// A lobe of the given mean variance (spread), and with so much more (excess) along one unit axis than across it. Lobes in
-// a row vary by (EXIT_TAPS^2 - 1) / 12 of their squared distance, which two standard deviations bound.
+// A lobe of the given mean variance (spread), and with so much more (excess) along one unit axis than across it. Lobes
+// in a row vary by (EXIT_TAPS^2 - 1) / 12 of their squared distance, which two standard deviations bound.
 SHARED WideLobe widened(vec3 direction, float spread, float excess, vec3 axis) {
     const float row_variance = float(EXIT_TAPS * EXIT_TAPS - 1) / 12.0f;
     float bounded = min(excess, spread * 4.0f * row_variance / (1.0f + 2.0f * row_variance));

@@ -5,8 +5,9 @@
 
 const int MAX_ROUGHNESS_CLASSES = 8;
 
-// The share of the upper of two neighbouring classes, 0 … 1; of two that are the same, 0. Linear in alpha^2, to which the variance of a narrow lobe
-// is proportional: what the two classes' lobes add up to is as wide as the lobe of the roughness itself.
+// The share of the upper of two neighbouring classes, 0 … 1; of two that are the same, 0. Linear in alpha^2, to which the
+// variance of a narrow lobe is proportional: what the two classes' lobes add up to is as wide as the lobe of the
+// roughness itself.
 SHARED float upper_class_share(float roughness, float lower, float upper) {
     if (upper <= lower) return 0.0f;
     float alpha = alpha_from_roughness(roughness);

@@ -13,9 +13,10 @@ def pane(uvs=((0, 0), (1, 0), (1, 1), (0, 1))):
 
 
 def stripes():
-    """A world of soft stripes, a few degrees wide, which fade the more, the rougher the glass before them is."""
+    """A world of soft stripes, a few degrees wide, which fade the more, the rougher the glass before them."""
     v, u = np.meshgrid((np.arange(256) + 0.5) / 256, (np.arange(512) + 0.5) / 512, indexing="ij")
-    waves = [0.5 + 0.5 * np.cos(2 * np.pi * (12 * u + shift)) * np.cos(2 * np.pi * 6 * v) for shift in (0, 0.25, 0.5)]
+    waves = [0.5 + 0.5 * np.cos(2 * np.pi * (12 * u + shift)) * np.cos(2 * np.pi * 6 * v)
+             for shift in (0, 0.25, 0.5)]
     return verglas.EnvironmentMap("stripes", np.stack(waves, -1))
 
 
@@ -45,7 +46,7 @@ def truth(mesh, texture, samples=64, **attributes):
 
 @pytest.mark.parametrize("extension", ["REPEAT", "EXTEND", "CLIP"])
 def test_front_reads_its_texture_as_the_path_tracer(renderer, extension):
-    """A user loses: painted roughness on the front, the right way up, and what lies beyond the texture's borders."""
+    """A user loses: painted roughness on the front, the right way up, and what lies beyond its borders."""
     values = np.array([[0.1, 0.9, 0.3], [0.6, 0.2, 1.0]])
     mesh = pane([(-0.6, -0.5), (1.7, -0.5), (1.7, 1.4), (-0.6, 1.4)])
     texture = verglas.Texture("Six", values, extension)
@@ -116,12 +117,15 @@ def relative_mse(seen, expected, inside):
 def test_coverage_shows_the_pattern_of_the_back(renderer, transport):
     """A user loses: what is painted on the far side of the glass, seen through it instead of blurred away."""
     v, u = np.indices((128, 256)) / [[[128]], [[256]]]
-    spots = (u < 0.5) & (np.sin(2 * np.pi * 8 * u) * np.sin(2 * np.pi * 4 * v) > 0)  # u < 0.5: the sphere's back
+    spots = (u < 0.5) & (np.sin(2 * np.pi * 8 * u) * np.sin(2 * np.pi * 4 * v) > 0)  # u < 0.5: the back
     mesh, texture = sphere(segments=128), verglas.Texture("Spots", np.where(spots, 0.75, 0.35))
     expected = truth(mesh, texture)
     inside = np.hypot(*(np.indices((96, 96)) - 47.5)) < 27
-    error = {back: relative_mse(picture(renderer, mesh, texture, samples=4, tir="NONE", transport=transport,
-                                        back_roughness=back), expected, inside) for back in ("SIMPLE", "COVERAGE")}
+    error = {}
+    for back in ("SIMPLE", "COVERAGE"):
+        shown = picture(renderer, mesh, texture, samples=4, tir="NONE", transport=transport,
+                        back_roughness=back)
+        error[back] = relative_mse(shown, expected, inside)
     print(f"{transport}, relative MSE: simple {error['SIMPLE']:.5f}, coverage {error['COVERAGE']:.5f}")
     assert error["COVERAGE"] < 0.5 * error["SIMPLE"]
 
@@ -129,7 +133,8 @@ def test_coverage_shows_the_pattern_of_the_back(renderer, transport):
 def slab(thickness=0.3):
     """Two squares of 2 x 2 that face each other, u from left to right on both."""
     y = 0.5 * thickness
-    corners = [[(-1, -y, -1), (1, -y, -1), (1, -y, 1), (-1, -y, 1)], [(1, y, -1), (-1, y, -1), (-1, y, 1), (1, y, 1)]]
+    corners = [[(-1, -y, -1), (1, -y, -1), (1, -y, 1), (-1, -y, 1)],
+               [(1, y, -1), (-1, y, -1), (-1, y, 1), (1, y, 1)]]
     uvs = [(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (0, 0), (0, 1), (1, 1)]
     return flat_faces("Slab", corners, uvs)
 
@@ -146,7 +151,8 @@ def test_gradients_stay_smooth(renderer):
 
 
 def test_classes_are_counted(renderer):
-    """A user loses: a plain word where the number of classes makes no sense; and more classes that are no worse."""
+    """A user loses: a plain word where the number of classes makes no sense; and more classes that are no
+    worse."""
     texture = verglas.Texture("Ramp", [np.linspace(0.05, 0.9, 256)])
     for wrong in (1, 9):
         with pytest.raises(verglas.Error, match="2 to 8 classes"):
@@ -164,5 +170,6 @@ def test_constant_texture_is_the_constant(renderer):
     material.roughness_texture = verglas.Texture("Flat", np.full((2, 2), 0.4))
     textured = scene_of(("Ball", ball, np.eye(4)), material=material)
     for transport in ("BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP"):
-        pictures = [renderer.render(scene, settings_of(transport=transport)).combined for scene in (plain, textured)]
+        pictures = [renderer.render(scene, settings_of(transport=transport)).combined
+                    for scene in (plain, textured)]
         assert pictures[0] == pytest.approx(pictures[1], abs=1e-3), transport
