@@ -26,8 +26,8 @@ DOUBLINGS = tuple(2 ** i for i in range(9))
 """1 … 256 samples"""
 
 
-def subject(scene: bpy.types.Scene, size: int) -> Subject:
-    return Subject(scene, Conditions(size, size, samples=1), print)
+def subject(scene: bpy.types.Scene, size: int, samples: int = 1) -> Subject:
+    return Subject(scene, Conditions(size, size, samples), print)
 
 
 def truth(judged: Subject, method: str, samples: int) -> Truth:
@@ -67,11 +67,11 @@ def glass(model: str, roughness: float, distribution: str) -> bpy.types.Scene:
     return scene
 
 
-def errors_of_refraction(model: str, roughness: float) -> dict[str, float]:
-    judged = subject(refracting(model, roughness), 512)
+def errors_of_refraction(model: str, roughness: float, samples: int) -> dict[str, float]:
+    judged = subject(refracting(model, roughness), 512, samples)
     true = truth(judged, "cycles", CYCLES_SAMPLES)
     found = {method: error(judged.real_time(method, 1), true) for method in ("traced", "bundle", "paper")}
-    print(f"{model}, refraction only, roughness {roughness}: relative MSE",
+    print(f"{model}, refraction only, roughness {roughness}, samples {samples}: relative MSE",
           {method: round(value, 4) for method, value in found.items()},
           f"net of the truth's noise of {true.noise:.4f}")
     return found
@@ -80,15 +80,16 @@ def errors_of_refraction(model: str, roughness: float) -> dict[str, float]:
 @pytest.mark.parametrize("roughness, bound", [(0.25, 0.013), (0.55, 0.008)])
 def test_refraction_through_the_monkey(roughness, bound):
     """The stated precision of traced bundles would not hold."""
-    assert errors_of_refraction("monkey", roughness)["traced"] <= bound
+    assert errors_of_refraction("monkey", roughness, samples=1)["traced"] <= bound
 
 
 @pytest.mark.parametrize("model", ["bunny", "dragon"])
 def test_refraction_through_scans(model):
-    """What the camera doesn't see of folded shapes would not be seen through them."""
+    """What the camera doesn't see of folded shapes would not be seen through them. Samples smooth outlines, of
+    which these have many."""
     if not MODELS[model].mesh:
         pytest.skip(f"the model {model} isn't here")
-    found = [errors_of_refraction(model, roughness) for roughness in (0.25, 0.4, 0.55)]
+    found = [errors_of_refraction(model, roughness, samples=8) for roughness in (0.25, 0.4, 0.55)]
     traced, bundle, paper = (np.mean([errors[method] for errors in found])
                              for method in ("traced", "bundle", "paper"))
     assert traced <= 0.5 * bundle and traced <= 0.25 * paper
