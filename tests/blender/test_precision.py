@@ -85,8 +85,8 @@ def test_refraction_through_the_monkey(roughness, bound):
 
 @pytest.mark.parametrize("model", ["bunny", "dragon"])
 def test_refraction_through_scans(model):
-    """What the camera doesn't see of folded shapes would not be seen through them. Samples smooth outlines, of
-    which these have many."""
+    """What the camera doesn't see of folded shapes would not be seen through them. Samples smooth outlines,
+    of which these have many."""
     if not MODELS[model].mesh:
         pytest.skip(f"the model {model} isn't here")
     found = [errors_of_refraction(model, roughness, samples=8) for roughness in (0.25, 0.4, 0.55)]
