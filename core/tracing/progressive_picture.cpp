@@ -17,6 +17,10 @@ constexpr int looks_ahead = 16;
 // samples.
 constexpr int window_reach = 2;
 
+// What a window's error must exceed, in variances of its noise, to be believed: rare bright samples, of which
+// few windows have two, would else show as squares.
+constexpr float significance = 4.0F;
+
 // Standard deviation of the first sample's error, as a share of its light, that is always thought possible:
 // what many drawn samples agree on is then believed, however well the first sample does all around.
 constexpr float possible_error = 0.05F;
@@ -239,7 +243,7 @@ glm::vec3 ProgressivePicture::corrected(glm::ivec2 pixel, const Estimates& estim
     const float own_noise = std::max(noise, own.square / squared(unit(own)) / drawn);
     const float least = squared(possible_error * own.light / unit(own)) + 1e-12F;
 
-    const float of_window = std::max(squared(mean(error)) - noise / count, least);
+    const float of_window = std::max(squared(mean(error)) - significance * noise / count, least);
     const float inside_window =
         drawn > 1.0F ? std::max(squared_errors / count - squared(mean(error)) - noise, least) : least;
     const glm::vec3 own_error = own.error / unit(own) - error;
