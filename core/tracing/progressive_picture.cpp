@@ -227,28 +227,36 @@ glm::vec3 ProgressivePicture::corrected(glm::ivec2 pixel, const Estimates& estim
     glm::vec3 error(0.0F);
     float squared_errors = 0.0F;
     float noise = 0.0F;
-    float count = 0.0F;
+    float error_noise = 0.0F;
+    float weights = 0.0F;
     for_each_neighbour(pixel, window_reach, drawn_rect_, [&](glm::ivec2 other) {
         const Estimate& estimate = estimates.at(other);
         if (estimate.object != own.object) return;
-        error += estimate.error / unit(estimate);
-        squared_errors += squared(mean(estimate.error) / unit(estimate));
-        noise += estimate.square / squared(unit(estimate));
-        count += 1.0F;
+        // Falls off to the window's borders, which would be seen.
+        const glm::ivec2 nearness = window_reach + 1 - glm::abs(other - pixel);
+        const auto weight = static_cast<float>(nearness.x * nearness.y);
+        const float square = estimate.square / squared(unit(estimate));
+        error += weight * estimate.error / unit(estimate);
+        squared_errors += weight * squared(mean(estimate.error) / unit(estimate));
+        noise += weight * square;
+        error_noise += weight * weight * square;
+        weights += weight;
     });
-    error /= count;
+    error /= weights;
+    squared_errors /= weights;
     // Of a mean over samples. Squares about 0 stand in for the variance, which few samples tell too low.
     const auto drawn = static_cast<float>(settings_.samples - 1);
-    noise /= count * drawn;
+    noise /= weights * drawn;
+    error_noise /= weights * weights * drawn;
     const float own_noise = std::max(noise, own.square / squared(unit(own)) / drawn);
     const float least = squared(possible_error * own.light / unit(own)) + 1e-12F;
 
-    const float of_window = std::max(squared(mean(error)) - significance * noise / count, least);
+    const float of_window = std::max(squared(mean(error)) - significance * error_noise, least);
     const float inside_window =
-        drawn > 1.0F ? std::max(squared_errors / count - squared(mean(error)) - noise, least) : least;
+        drawn > 1.0F ? std::max(squared_errors - squared(mean(error)) - noise, least) : least;
     const glm::vec3 own_error = own.error / unit(own) - error;
     const glm::vec3 correction =
-        believed(of_window, noise / count) * error + believed(inside_window, own_noise) * own_error;
+        believed(of_window, error_noise) * error + believed(inside_window, own_noise) * own_error;
     return glm::max(base + unit(own) * correction, 0.0F);
 }
 
