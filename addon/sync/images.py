@@ -91,15 +91,17 @@ def picture(image: bpy.types.Image, check: bool) -> Picture:
 
 def _state(image: bpy.types.Image) -> tuple[Hashable, ...]:
     """What else the pixels depend on."""
-    path = _path(image)
+    path = absolute_path(image)
     modified = os.stat(path).st_mtime_ns if image.source == 'FILE' and os.path.isfile(path) else 0
     frame = bpy.context.scene.frame_current if image.source in {'SEQUENCE', 'MOVIE'} else 0
     return (name_of(image), image.source, path, modified, frame, image.colorspace_settings.name,
             image.alpha_mode, tuple(image.size))
 
 
-def _path(image: bpy.types.Image) -> str:
-    return bpy.path.abspath(image.filepath, library=image.library)
+def absolute_path(image: bpy.types.Image) -> str:
+    """Of its file, in whichever folder its .blend is; of tiled ones with <UDIM> in the name."""
+    folder = os.path.dirname(image.filepath_from_user())
+    return os.path.normpath(os.path.join(folder, bpy.path.basename(image.filepath)))
 
 
 # Tiles
@@ -108,7 +110,7 @@ def _tiled(image: bpy.types.Image) -> Picture:
     """All tiles beside each other. They come from their files: Blender gives the pixels of the first only."""
     if image.is_dirty or image.packed_files:
         raise Unreadable("has a tiled image that isn't saved as files, which isn't supported yet")
-    paths = {tile.number: _path(image).replace("<UDIM>", str(tile.number)) for tile in image.tiles}
+    paths = {tile.number: absolute_path(image).replace("<UDIM>", str(tile.number)) for tile in image.tiles}
     lost = next((path for path in paths.values() if not os.path.isfile(path)), None)
     if lost is not None:
         raise Unreadable(f"has a tile that can't be read ('{lost}')")

@@ -52,12 +52,17 @@ def _wrap(a: Array, b: Array, c: Array) -> Array:
     return np.where(b != c, a - (b - c) * np.floor(divided(a - c, b - c)), c)
 
 
-MATH: dict[str, Callable[..., Array]] = {
+_ARITHMETIC: dict[str, Callable[..., Array]] = {
     'ADD': lambda a, b: a + b,
     'SUBTRACT': lambda a, b: a - b,
     'MULTIPLY': lambda a, b: a * b,
     'DIVIDE': lambda a, b: divided(a, b),
     'MULTIPLY_ADD': lambda a, b, c: a * b + c,
+}
+"""What numbers and vectors have in common."""
+
+MATH: dict[str, Callable[..., Array]] = {
+    **_ARITHMETIC,
     'POWER': _power,
     'LOGARITHM': _logarithm,
     'SQRT': lambda a: np.sqrt(np.maximum(a, 0.0)),
@@ -107,11 +112,7 @@ def _length(a: Array) -> Array:
 
 
 VECTOR_MATH: dict[str, Callable[..., Array]] = {
-    'ADD': lambda a, b: a + b,
-    'SUBTRACT': lambda a, b: a - b,
-    'MULTIPLY': lambda a, b: a * b,
-    'DIVIDE': lambda a, b: divided(a, b),
-    'MULTIPLY_ADD': lambda a, b, c: a * b + c,
+    **_ARITHMETIC,
     'DOT_PRODUCT': _dot,
     'CROSS_PRODUCT': lambda a, b: np.cross(a, b),
     'DISTANCE': lambda a, b: _length(a - b),

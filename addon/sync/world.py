@@ -125,7 +125,7 @@ def _load(image: bpy.types.Image, texture: nodes.Node) -> core.EnvironmentMap:
     is_srgb = color_space == 'sRGB'
     is_known = is_srgb or color_space in compat.LINEAR_COLOR_SPACES
     if image.source == 'FILE' and is_known and not (image.packed_file or image.is_dirty):
-        path = os.path.normpath(bpy.path.abspath(image.filepath, library=image.library))
+        path = images.absolute_path(image)
         key = (path, _mtime(path), is_srgb)
         return _cached(key, lambda: core.EnvironmentMap.load(path, srgb=is_srgb))
     if image.source not in {'FILE', 'GENERATED'}:

@@ -22,6 +22,11 @@ struct Rect {
     glm::ivec2 end{0};  // exclusive
 
     glm::ivec2 size() const { return end - begin; }
+    // Of a pixel, among all row by row.
+    std::size_t place(glm::ivec2 pixel) const {
+        const glm::ivec2 inside = pixel - begin;
+        return std::size_t(inside.y) * size().x + inside.x;
+    }
     bool empty() const { return end.x <= begin.x || end.y <= begin.y; }
     bool overlaps(const Rect& other) const {
         return begin.x < other.end.x && other.begin.x < end.x && begin.y < other.end.y &&

@@ -33,9 +33,6 @@ constexpr float cut_share = 0.7F;
 constexpr float least_drawn_weight = 0.02F;
 constexpr int max_drawn_interfaces = 64;  // longer paths end, as the path tracer's
 
-// Sharper distributions than this are beyond float; such glass is as good as clear.
-constexpr float min_alpha = 1e-4F;
-
 // Coordinates of a drawn ray's Sobol point: the front lobe's, then those of each further interface.
 constexpr int front_dimension = 2;
 constexpr int first_inner_dimension = 4;
@@ -296,15 +293,16 @@ void BundleTracer::draw(const Meeting& meeting, const Branch& branch, Wave& next
 // share: of the branch that the ray stands for; above 1 where it is there by chance.
 void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, float share, Beam outgoing,
                             Wave& next) const {
-    const SobolPoint point(pixel_number(outgoing.pixel, settings_),
-                           static_cast<std::uint32_t>(sample_ * model::BUNDLE_RAYS + outgoing.number), 0);
+    const SobolPoint point =
+        SobolPoint(pixel_number(outgoing.pixel, settings_), static_cast<std::uint32_t>(sample_), 0)
+            .part(static_cast<std::uint32_t>(outgoing.number), model::BUNDLE_RAYS);
     const int dimension = outgoing.interfaces == 0
                               ? front_dimension
                               : first_inner_dimension + (outgoing.interfaces - 1) * inner_dimensions +
                                     (branch.reflected ? reflection_dimension : 0);
     if (share > 1.0F && point[dimension + chance_dimension] * share >= 1.0F) return;
 
-    const float alpha = std::max(model::alpha_from_roughness(meeting.roughness), min_alpha);
+    const float alpha = facet_alpha(meeting.roughness);
     const RoughInterface surface(meeting.material.ndf, alpha, meeting.eta, meeting.material.fresnel,
                                  Reflected::All);
     const glm::mat3 frame = frame_of(meeting.n);

@@ -33,9 +33,7 @@ struct TracedPicture {
           radiance(std::make_unique_for_overwrite<glm::vec3[]>(pixels)),
           surfaces(std::make_unique_for_overwrite<Surface[]>(pixels)) {}
 
-    std::size_t place(int x, int y) const {
-        return std::size_t(y - rect.begin.y) * rect.size().x + (x - rect.begin.x);
-    }
+    std::size_t place(int x, int y) const { return rect.place({x, y}); }
 
     Rect rect;
     std::size_t pixels;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/glm.hpp>
 
+#include "core/material/model.h"
 #include "core/tracing/ray_scene.h"
 
 namespace verglas {
@@ -34,5 +35,9 @@ inline float roughness_at(const Material& material, const Hit& hit) {
     if (!material.roughness_texture) return material.roughness;
     return std::clamp(material.roughness_texture->sample(hit.uv), 0.0F, 1.0F);
 }
+
+// Width of the distribution that facets are drawn from. Sharper ones are beyond float; such glass is as good
+// as clear.
+inline float facet_alpha(float roughness) { return std::max(model::alpha_from_roughness(roughness), 1e-4F); }
 
 }  // namespace verglas

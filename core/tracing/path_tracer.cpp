@@ -23,9 +23,6 @@
 namespace verglas {
 namespace {
 
-// Sharper distributions than this are beyond float; such glass is as good as clear.
-constexpr float min_alpha = 1e-4F;
-
 // Coordinates of a sample's Sobol point: the pixel filter's, then those of each interface.
 constexpr int filter_dimension = 0;
 constexpr int first_interface_dimension = 2;
@@ -172,7 +169,7 @@ Crossing PathTracer::Paths::cross(const Hit& hit, const glm::vec3& d, const Medi
     const Material& material = scene_.materials[hit.material];
     const bool entering = is_entering(hit, d);
     const glm::mat3 frame = frame_of(facing_normal(hit, d));
-    const float alpha = std::max(model::alpha_from_roughness(roughness_at(material, hit)), min_alpha);
+    const float alpha = facet_alpha(roughness_at(material, hit));
     const RoughInterface surface(material.ndf, alpha, media.interface(scene_, hit, entering).eta,
                                  material.fresnel, reflected(material));
     return {hit, material, entering, frame, glm::transpose(frame) * -d, surface};
@@ -289,7 +286,7 @@ void PathTracer::trace_row(int row) {
         const SobolPoint point(pixel, static_cast<std::uint32_t>(sample), settings_.seed);
         const glm::vec2 center(x + 0.5F, y + 0.5F);
         const glm::vec2 offset = blackman_harris_offset(point.pair(filter_dimension), settings_.filter_width);
-        const std::size_t place = std::size_t(row) * rect_.size().x + (x - rect_.begin.x);
+        const std::size_t place = rect_.place({x, y});
         sums_[place] += paths_->trace(paths_->camera().through(center + offset), point);
         if (sample == 0) normal_depth_[place] = paths_->normal_depth(paths_->camera().through(center));
     }

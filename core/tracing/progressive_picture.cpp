@@ -62,10 +62,7 @@ struct ProgressivePicture::Estimate {
 };
 
 struct ProgressivePicture::Estimates {
-    const Estimate& at(glm::ivec2 pixel) const {
-        const glm::ivec2 inside = pixel - rect.begin;
-        return values[std::size_t(inside.y) * rect.size().x + inside.x];
-    }
+    const Estimate& at(glm::ivec2 pixel) const { return values[rect.place(pixel)]; }
 
     Rect rect;
     std::vector<Estimate> values;
@@ -88,11 +85,6 @@ ProgressivePicture::ProgressivePicture(const Rect& rect, const Settings& setting
                                                 settings.filter_width));
 }
 
-std::size_t ProgressivePicture::place_of(glm::ivec2 pixel) const {
-    const glm::ivec2 inside = pixel - drawn_rect_.begin;
-    return std::size_t(inside.y) * drawn_rect_.size().x + inside.x;
-}
-
 void ProgressivePicture::average(const Rect& tile) {
     for_each_pixel(tile, [&](glm::ivec2 pixel) {
         averaged_[first_.place(pixel.x, pixel.y)] = average_over_surface(first_, pixel);
@@ -101,7 +93,7 @@ void ProgressivePicture::average(const Rect& tile) {
 
 void ProgressivePicture::prepare(const Rect& tile, const BundleTracer& tracer) {
     for_each_pixel(tile, [&](glm::ivec2 pixel) {
-        Pixel& result = pixels_[place_of(pixel)] = {};
+        Pixel& result = pixels_[drawn_rect_.place(pixel)] = {};
         result.object = surface(pixel).object;
         if (is_edge(pixel)) {
             look_through(pixel, tracer, result);
@@ -163,7 +155,7 @@ glm::vec3 ProgressivePicture::seen(glm::vec2 place, int object, const glm::vec3&
 
 void ProgressivePicture::add(const Rect& tile, const TracedPicture& drawn, int sample) {
     for_each_pixel(tile, [&](glm::ivec2 pixel) {
-        Pixel& sum = pixels_[place_of(pixel)];
+        Pixel& sum = pixels_[drawn_rect_.place(pixel)];
         const std::size_t i = drawn.place(pixel.x, pixel.y);
         const glm::vec3& radiance = drawn.radiance[i];
         const int object = drawn.surfaces[i].object;
@@ -195,8 +187,7 @@ void ProgressivePicture::resolve(const Rect& tile, Frame& frame) const {
             radiance = corrected(pixel, estimates);
             covered = known(pixel).mean_covered();
         }
-        const glm::ivec2 inside = pixel - rect_.begin;
-        const std::size_t place = std::size_t(inside.y) * rect_.size().x + inside.x;
+        const std::size_t place = rect_.place(pixel);
         frame.combined[place] = glm::vec4(radiance, settings_.transparent ? covered : 1.0F);
         frame.normal_depth[place] = glm::vec4(surface(pixel).normal, surface(pixel).depth);
     });

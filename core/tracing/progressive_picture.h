@@ -60,8 +60,7 @@ class ProgressivePicture {
 
     const Surface& surface(glm::ivec2 pixel) const { return first_.surfaces[first_.place(pixel.x, pixel.y)]; }
     const glm::vec3& shown(glm::ivec2 pixel) const { return averaged_[first_.place(pixel.x, pixel.y)]; }
-    const Pixel& known(glm::ivec2 pixel) const { return pixels_[place_of(pixel)]; }
-    std::size_t place_of(glm::ivec2 pixel) const;
+    const Pixel& known(glm::ivec2 pixel) const { return pixels_[drawn_rect_.place(pixel)]; }
     glm::vec3 seen(glm::vec2 place, int object, const glm::vec3& otherwise) const;
     bool is_edge(glm::ivec2 pixel) const;
     void look_through(glm::ivec2 pixel, const BundleTracer& tracer, Pixel& result) const;
