@@ -11,6 +11,7 @@
 #include "core/math/pixel_filter.h"
 #include "core/math/sobol.h"
 #include "core/tracing/crossing.h"
+#include "core/tracing/divergence.h"
 #include "core/tracing/media.h"
 
 namespace verglas {
@@ -60,9 +61,6 @@ glm::vec2 turned_azimuth(int ray, glm::ivec2 pixel) {
 
 float greatest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
 
-// 1 - R of two lobes one after the other, whose mean lengths R multiply.
-float joined_spread(float a, float b) { return a + b - a * b; }
-
 // The direction, bent to leave to the side of the triangle that a normal shows to: interpolated normals may
 // send it to the other.
 glm::vec3 on_side(const glm::vec3& d, const glm::vec3& side) {
@@ -84,9 +82,9 @@ float drawn_part(int sample) { return 1.0F - 1.0F / std::cbrt(static_cast<float>
 // One ray and the lobe about it, on its way to a pixel.
 struct BundleTracer::Beam {
     Ray ray;
-    glm::vec3 weight;     // of the radiance that it brings
-    glm::vec3 axis;       // of the lobe that is looked up if the ray meets nothing more
-    float spread = 0.0F;  // of that lobe, without the part that the bundle's rays stand for
+    glm::vec3 weight;       // of the radiance that it brings
+    glm::vec3 axis;         // of the lobe that is looked up if the ray meets nothing more
+    Divergence divergence;  // of that lobe, without the part that the bundle's rays stand for
     // Outward normal of the interface that it last left through; 0 if it was reflected since.
     glm::vec3 exit{0.0F};
     glm::ivec2 pixel;
@@ -207,6 +205,7 @@ void BundleTracer::meet(const Beam& incoming, const Hit& hit, TracedPicture& pic
                    model::alpha_from_roughness(meeting.roughness)};
 
     Beam& beam = meeting.beam;
+    beam.divergence.travel(hit.t);
     beam.weight *= beam.media.transmittance(scene, hit, meeting.entering);
     const MediumStack::Interface interface = beam.media.interface(scene, hit, meeting.entering);
     if (!interface.bends()) {
@@ -256,11 +255,27 @@ void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool
         follow(meeting, branch, next);
 }
 
+// Of a branch along its lobe's mean direction. What has spread before turns as at straight incidence: near
+// the critical angle, where the law of refraction turns directions apart without bound, lobes don't follow
+// it, and less error is left on the scenes above than with its derivatives there.
+Divergence BundleTracer::divergence(const Meeting& meeting, const Branch& branch) const {
+    Divergence result = meeting.beam.divergence;
+    if (!result.is_none()) {
+        Curvature curvature = scene_.rays().curvature(meeting.hit);
+        if (meeting.entering) curvature.mean = -curvature.mean;  // seen from outside
+        const float scale = branch.reflected ? 1.0F : 1.0F / meeting.eta;
+        const float bend = branch.reflected ? -2.0F : 1.0F - scale;
+        result.turn(scale, bend, curvature);
+    }
+    result.widen(Divergence::of_lobe(branch.lobe.spread));
+    return result;
+}
+
 // Along the lobe's mean direction.
 void BundleTracer::follow(const Meeting& meeting, const Branch& branch, Wave& next) const {
     Beam outgoing = meeting.beam;
     outgoing.weight = branch.weight;
-    outgoing.spread = joined_spread(outgoing.spread, branch.lobe.spread);
+    outgoing.divergence = divergence(meeting, branch);
     outgoing.ray.d = outgoing.axis = on_side(branch.lobe.direction, meeting.side(branch));
     send(meeting, branch, outgoing, next);
 }
@@ -315,7 +330,7 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, float 
     outgoing.weight *= share * facet->weight * branch.color;
     const float drawn = drawn_part(sample_);
     outgoing.axis = glm::normalize(glm::mix(branch.lobe.direction, outgoing.ray.d, std::sqrt(drawn)));
-    outgoing.spread = (1.0F - drawn) * branch.lobe.spread;
+    outgoing.divergence = Divergence::of_lobe((1.0F - drawn) * branch.lobe.spread);
     send(meeting, branch, outgoing, next);
 }
 
@@ -339,7 +354,7 @@ glm::vec3 BundleTracer::background(const glm::vec3& d) const {
 glm::vec3 BundleTracer::looked_up(const Beam& beam) const {
     // Rounder lobes gain nothing from more than one look-up.
     constexpr float least_excess = 0.1F;
-    const float spread = std::max(beam.spread, model::LOBE_MIN_SPREAD);
+    const float spread = std::max(beam.divergence.spread(), model::LOBE_MIN_SPREAD);
     const model::WideLobe lobe = model::wide_lobe(beam.axis, spread, beam.exit);
     if (glm::dot(lobe.axis, lobe.axis) < least_excess * spread)
         return beam.weight * scene_.incoming_radiance(beam.axis, spread);
@@ -352,7 +367,7 @@ glm::vec3 BundleTracer::looked_up(const Beam& beam) const {
 // The light of a branch that isn't followed.
 glm::vec3 BundleTracer::cut_off(const Meeting& meeting, const Branch& branch) const {
     const glm::vec3& d = branch.lobe.direction;
-    const float spread = joined_spread(meeting.beam.spread, branch.lobe.spread);
+    const float spread = divergence(meeting, branch).spread();
     if (branch.reflected == meeting.entering) return branch.weight * scene_.incoming_radiance(d, spread);
     return cut_share * branch.weight * scene_.incoming_radiance(d, std::max(spread, cut_spread));
 }

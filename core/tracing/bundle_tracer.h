@@ -10,6 +10,7 @@
 
 #include "core/scene/settings.h"
 #include "core/tracing/camera_rays.h"
+#include "core/tracing/divergence.h"
 #include "core/tracing/traced_scene.h"
 
 namespace verglas {
@@ -70,6 +71,7 @@ class BundleTracer {
     void start(const Rect& tile, TracedPicture& picture, Wave& wave) const;
     void meet(const Beam& incoming, const Hit& hit, TracedPicture& picture, Wave& next) const;
     void branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const;
+    Divergence divergence(const Meeting& meeting, const Branch& branch) const;
     void follow(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void split(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void draw(const Meeting& meeting, const Branch& branch, Wave& next) const;

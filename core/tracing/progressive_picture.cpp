@@ -245,9 +245,10 @@ glm::vec3 ProgressivePicture::corrected(glm::ivec2 pixel, const Estimates& estim
     const float of_window = std::max(squared(mean(error)) - significance * error_noise, least);
     const float inside_window =
         drawn > 1.0F ? std::max(squared_errors - squared(mean(error)) - noise, least) : least;
-    const glm::vec3 own_error = own.error / unit(own) - error;
+    // What the window says is what is thought of the pixel before its own samples are looked at.
+    const glm::vec3 of_all = believed(of_window, error_noise) * error;
     const glm::vec3 correction =
-        believed(of_window, error_noise) * error + believed(inside_window, own_noise) * own_error;
+        of_all + believed(inside_window, own_noise) * (own.error / unit(own) - of_all);
     return glm::max(base + unit(own) * correction, 0.0F);
 }
 

@@ -206,7 +206,8 @@ void RayScene::update(const Scene& scene) {
         if (object.mesh->indices().empty() || !is_traceable(object.matrix)) continue;
         objects.push_back({object.mesh, trees.at(object.mesh.get()), object.matrix,
                            glm::transpose(glm::inverse(glm::mat3(object.matrix))), object.materials,
-                           static_cast<int>(&object - scene.objects.data())});
+                           static_cast<int>(&object - scene.objects.data()),
+                           static_cast<std::uint32_t>(objects.size())});
     }
     const bool moved = !std::equal(
         objects.begin(), objects.end(), objects_.begin(), objects_.end(),
@@ -333,7 +334,40 @@ Hit RayScene::Placed::hit(float t, std::uint32_t triangle, float u, float v, con
     if (!mesh->uvs().empty()) hit.uv = mix(mesh->uvs());
     hit.material = material_of(triangle);
     hit.object = index;
+    hit.instance = instance;
+    hit.triangle = triangle;
     return hit;
+}
+
+// Normals are linear in positions over the triangle. Trace and determinant of that map are the sum and the
+// product of the principal curvatures; its matrix in the basis of two edges is that of the fundamental forms,
+// second by first.
+Curvature RayScene::Placed::curvature(std::uint32_t triangle) const {
+    constexpr double least_sine2 = 1e-6;  // of the angle between two edges
+    const std::uint32_t* corner = &mesh->indices()[std::size_t{3} * triangle];
+    const glm::mat3 linear(matrix);
+    const auto edge = [&](int i) {
+        return glm::dvec3(linear * (mesh->positions()[corner[i]] - mesh->positions()[corner[0]]));
+    };
+    const auto normal = [&](int i) {
+        return glm::dvec3(glm::normalize(normal_matrix * mesh->normals()[corner[i]]));
+    };
+    const glm::dvec3 p_u = edge(1);
+    const glm::dvec3 p_v = edge(2);
+    const glm::dvec3 n_u = normal(1) - normal(0);
+    const glm::dvec3 n_v = normal(2) - normal(0);
+    const double E = glm::dot(p_u, p_u);
+    const double F = glm::dot(p_u, p_v);
+    const double G = glm::dot(p_v, p_v);
+    const double determinant = E * G - F * F;
+    if (!(determinant > least_sine2 * E * G)) return {};
+    const double e = glm::dot(n_u, p_u);
+    const double f_u = glm::dot(n_u, p_v);
+    const double f_v = glm::dot(n_v, p_u);
+    const double g = glm::dot(n_v, p_v);
+    const double mean = 0.5 * (G * e - F * (f_u + f_v) + E * g) / determinant;
+    const double gaussian = (e * g - f_u * f_v) / determinant;
+    return {static_cast<float>(mean), static_cast<float>(std::sqrt(std::max(mean * mean - gaussian, 0.0)))};
 }
 
 std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3& d) const {

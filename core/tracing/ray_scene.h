@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/scene/scene.h"
+#include "core/tracing/divergence.h"
 
 struct RTCDeviceTy;
 struct RTCGeometryTy;
@@ -29,7 +30,9 @@ struct Hit {
     glm::vec3 normal{0.0F};            // unit, interpolated
     glm::vec2 uv{0.0F};                // 0 where the mesh has none
     int material = 0;
-    int object = 0;  // index into Scene::objects
+    int object = 0;              // index into Scene::objects
+    std::uint32_t instance = 0;  // of RayScene
+    std::uint32_t triangle = 0;  // of the mesh
 
     // What a ray gets that meets nothing.
     static Hit none() {
@@ -61,6 +64,8 @@ class RayScene {
     // The same of many rays; Hit::none() where nothing is met. hits: as many as rays. Neighbours should go
     // similar ways: the same ray of eight pixels' bundles one after the other, not the four of each pixel.
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
+    // Of the surface that the interpolated normal stands for. 0 where triangles are flat or too thin to tell.
+    Curvature curvature(const Hit& hit) const { return objects_[hit.instance].curvature(hit.triangle); }
     // Whether nothing lies on the way to infinity.
     bool escapes(const glm::vec3& origin, const glm::vec3& d) const;
 
@@ -87,9 +92,11 @@ class RayScene {
         glm::mat4 matrix;
         glm::mat3 normal_matrix;  // object -> world, for normals
         std::vector<int> materials;
-        int index;  // in Scene::objects
+        int index;               // in Scene::objects
+        std::uint32_t instance;  // in objects_
 
         Hit hit(float t, std::uint32_t triangle, float u, float v, const glm::vec3& outward) const;
+        Curvature curvature(std::uint32_t triangle) const;
         int material_of(std::uint32_t triangle) const;
         int material_of(const MeshPart& part) const;
     };
