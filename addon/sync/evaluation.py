@@ -339,23 +339,26 @@ def _to_bw(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
     return lambda points: color(points) @ nodes.LUMINANCE
 
 
+_FROM_RGB = {'RGB': lambda color: color, 'HSV': operations.hsv_from_rgb, 'HSL': operations.hsl_from_rgb}
+_TO_RGB = {'RGB': lambda color: color, 'HSV': operations.rgb_from_hsv, 'HSL': operations.rgb_from_hsl}
+"""By the color model in which a node separates or combines."""
+
+
 def _separate(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
-    _check_mode(reader)
     whole = reader.vector(0) if reader.node.type == 'SEPXYZ' else reader.color(0)
+    convert = _FROM_RGB[_color_model(reader.node)]
     channel = list(reader.node.outputs).index(output)
-    return lambda points: whole(points)[..., channel]
+    return lambda points: convert(whole(points))[..., channel]
 
 
 def _combine(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
-    _check_mode(reader)
+    convert = _TO_RGB[_color_model(reader.node)]
     parts = [reader.number(i) for i in range(3)]
-    return lambda points: np.stack(np.broadcast_arrays(*(part(points) for part in parts)), axis=-1)
+    return lambda points: convert(np.stack(np.broadcast_arrays(*(part(points) for part in parts)), axis=-1))
 
 
-def _check_mode(reader: Reader) -> None:
-    mode = getattr(reader.node, "mode", 'RGB')
-    if mode != 'RGB':
-        raise Unsupported(reader.node, f"works in {mode}, which isn't supported yet")
+def _color_model(node: bpy.types.Node) -> str:
+    return 'HSV' if node.type in {'SEPHSV', 'COMBHSV'} else getattr(node, "mode", 'RGB')
 
 
 # Textures that are calculated
@@ -465,9 +468,11 @@ _NODES: dict[str, NodeFunction] = {
     'BRIGHTCONTRAST': _bright_contrast,
     'RGBTOBW': _to_bw,
     'SEPRGB': _separate,
+    'SEPHSV': _separate,
     'SEPXYZ': _separate,
     'SEPARATE_COLOR': _separate,
     'COMBRGB': _combine,
+    'COMBHSV': _combine,
     'COMBXYZ': _combine,
     'COMBINE_COLOR': _combine,
     'TEX_CHECKER': _checker,
