@@ -7,7 +7,7 @@ struct Material {
     vec4 color_roughness;  // of a texture, its mean
     vec4 reflection_ior;
     vec4 absorption;
-    float class_roughness[MAX_ROUGHNESS_CLASSES];  // ascending; the last one repeats itself
+    vec4 class_roughness[MAX_ROUGHNESS_CLASSES / 4];  // ascending; the last one repeats itself
     ivec4 tables;  // entering, leaving, reflection (-1: none)
 };
 layout(std430, binding = 0) readonly buffer Materials { Material materials[]; };
