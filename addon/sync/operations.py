@@ -153,6 +153,10 @@ def hsv_from_rgb(rgb: Array) -> Array:
 
 def rgb_from_hsv(hsv: Array) -> Array:
     hue, saturation, value = (hsv[..., i, None] for i in range(3))
+    hue = np.where(hue == 1.0, 0.0, hue)
+    # Beyond its ends hue goes through its last sixth again and again
+    last_sixth = (5.0 + fraction(6.0 * hue)) / 6.0
+    hue = np.where((hue >= 0.0) & (hue < 1.0), hue, last_sixth)
     return value * mix(np.float32(1.0), _pure(hue), saturation)
 
 
@@ -169,9 +173,9 @@ def rgb_from_hsl(hsl: Array) -> Array:
 
 
 def _pure(hue: Array) -> Array:
-    """(…, 3) of full saturation and value; hue: (…, 1)"""
-    turned = 6.0 * fraction(hue + np.array([1.0, 2.0 / 3.0, 1.0 / 3.0], np.float32))
-    return np.clip(np.abs(turned - 3.0) - 1.0, 0.0, 1.0)
+    """(…, 3) of full saturation and value; hue: (…, 1), red beyond 0 … 1."""
+    from_cyan, from_green, from_blue = (np.abs(6.0 * hue - sixths) for sixths in (3.0, 2.0, 4.0))
+    return np.clip(np.concatenate([from_cyan - 1.0, 2.0 - from_green, 2.0 - from_blue], axis=-1), 0.0, 1.0)
 
 
 # Mix
