@@ -51,10 +51,10 @@ def figure_15(studio: Studio) -> Figure:
         truth = studio.truth(case)
         layout.show(line[-1], truth.pixels, f"Ground truth, {truth.samples} samples")
     caption = (
-        f"Spots with the Blinn-Phong exponent {cases[0].rough_exponent:g} on glass with {SMOOTH:g}, made by a "
-        "noise texture in the objects' coordinates; all light, with reflections in front and inside. What "
-        "is totally reflected inside is refracted as at the critical angle (clamp) by OpenGL, and followed by "
-        "traced.")
+        f"Spots with the Blinn-Phong exponent {cases[0].rough_exponent:g} on glass with {SMOOTH:g}, made by "
+        "a noise texture in the objects' coordinates; all light, with reflections in front and inside. What "
+        "is totally reflected inside is refracted as at the critical angle (clamp) by OpenGL, and followed "
+        "by traced.")
     caption += about(*(case.model for case in cases))
     return Figure("15", "Patterns of two roughnesses", caption, picture, rows)
 
