@@ -7,11 +7,8 @@
 #include "screen_space.glsl"
 
 #ifdef CLASS_LAYERS
-// Shares of classes times coverage, at all scales.
+// Shares of classes times coverage, at all scales: layers of the farthest backs, and then of the nearest.
 uniform sampler2DArray back_classes;
-#ifdef LAYERS
-uniform sampler2DArray nearest_back_classes;
-#endif
 #else
 #define CLASSES 1
 #endif
@@ -35,11 +32,8 @@ float roughness_of_class(Material material, int i) {
 #ifdef CLASS_LAYERS
 // Four classes over a square of 2^level pixels about the exit.
 vec4 sample_classes(int layer, vec2 pixel, vec4 face, float level) {
-    vec3 place = vec3(pixel / frame_size, float(layer));
-#ifdef LAYERS
-    if (face.z != texelFetch(back_faces, ivec2(pixel), 0).z) return textureLod(nearest_back_classes, place, level);
-#endif
-    return textureLod(back_classes, place, level);
+    int first = decode_group(face.w) == NEAREST_BACKS ? CLASS_LAYERS : 0;
+    return textureLod(back_classes, vec3(pixel / frame_size, float(first + layer)), level);
 }
 
 // From shares times coverage. What covers too little to be stored at this scale has the first class.

@@ -579,10 +579,9 @@ def test_a_changed_node_reaches_the_next_frame(painted):
     assert log == ["read", "Mesh"]
 
 
-def test_pixels_that_a_script_writes_reach_the_final_frame(scene, painted):
+def test_pixels_that_a_script_writes_reach_the_final_frame(scene, painted, device):
     """Images that scripts make would be rendered as they were before."""
     image, _, _ = painted
-    scene.verglas.device = 'CPU'
     set_map(scene)
     before = render(scene).rgb
     image.pixels.foreach_set(np.full(len(image.pixels), 0.9, np.float32))
@@ -657,9 +656,8 @@ def test_constants_through_nodes(scene, warned):
 
 # Whole pictures
 
-def test_objects_that_share_a_mesh(scene):
+def test_objects_that_share_a_mesh(scene, device):
     """They would show each other's frost."""
-    scene.verglas.device = 'CPU'
     set_map(scene)
     clear, rough = (new_image(np.full((2, 2, 3), value, np.float32)) for value in (0.05, 0.9))
     sphere = add_sphere(textured(lambda tree: add_image(tree, clear).outputs[0]), radius=0.8,
