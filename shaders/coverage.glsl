@@ -23,7 +23,7 @@ float ratio_of_class(Coverage coverage, int i) { return coverage.ratios[i / 4][i
 
 float roughness_of_class(Material material, int i) {
 #ifdef CLASS_LAYERS
-    return material.class_roughness[i / 4][i % 4];
+    return roughness_of_classes(material, i / 4)[i % 4];
 #else
     return material.color_roughness.w;
 #endif
@@ -66,7 +66,7 @@ Coverage coverage_about(vec2 pixel, vec4 face, float pixels) {
 float mean_roughness(Coverage coverage, Material material) {
     float mean = 0.0;
     for (int layer = 0; layer < CLASS_LAYERS; ++layer)
-        mean += dot(coverage.ratios[layer], material.class_roughness[layer]);
+        mean += dot(coverage.ratios[layer], roughness_of_classes(material, layer));
     return mean;
 }
 #endif

@@ -97,6 +97,7 @@ const float FOOTPRINT_SHARE = 0.7;
 struct ClassSums {
     vec4 energies[CLASS_LAYERS];
     mat4x3 vectors[CLASS_LAYERS];  // of directions, times energy
+    vec4 variances[CLASS_LAYERS];  // of the roughness, alpha^2, times energy
     float energy;
     vec3 color;     // times energy
     float table_x;  // of the lobe tables, times energy
@@ -107,6 +108,7 @@ ClassSums no_class_sums() {
     for (int layer = 0; layer < CLASS_LAYERS; ++layer) {
         sums.energies[layer] = vec4(0.0);
         sums.vectors[layer] = mat4x3(0.0);
+        sums.variances[layer] = vec4(0.0);
     }
     sums.energy = 0.0;
     sums.color = vec3(0.0);
@@ -114,12 +116,16 @@ ClassSums no_class_sums() {
     return sums;
 }
 
-// Adds a lobe of an interface's mean roughness, with the ratios of the classes there.
-ClassSums add_ray(ClassSums sums, Lobe lobe, float table_x, vec3 color, Coverage coverage) {
+// Adds a lobe of an interface's mean roughness, with the ratios of its material's classes there.
+ClassSums add_ray(ClassSums sums, Lobe lobe, float table_x, vec3 color, Coverage coverage, Material material) {
     float energy = lobe.energy / float(BUNDLE_RAYS);
     for (int layer = 0; layer < CLASS_LAYERS; ++layer) {
-        sums.energies[layer] += energy * coverage.ratios[layer];
-        sums.vectors[layer] += outerProduct(lobe.direction, energy * coverage.ratios[layer]);
+        vec4 energies = energy * coverage.ratios[layer];
+        vec4 roughness = roughness_of_classes(material, layer);
+        vec4 alpha = roughness * roughness;
+        sums.energies[layer] += energies;
+        sums.vectors[layer] += outerProduct(lobe.direction, energies);
+        sums.variances[layer] += energies * alpha * alpha;
     }
     sums.energy += energy;
     sums.color += energy * color;
@@ -127,15 +133,15 @@ ClassSums add_ray(ClassSums sums, Lobe lobe, float table_x, vec3 color, Coverage
     return sums;
 }
 
-// Each class with the spread that its lobe has in the mean of the angles of incidence.
-vec3 radiance_of(ClassSums sums, Material material) {
+// Each class with the spread that its lobe has in the mean of the angles of incidence. table: of leaving lobes.
+vec3 radiance_of(ClassSums sums, int table) {
     float x = sums.table_x / max(sums.energy, 1e-12);
     vec3 sum = vec3(0.0);
     for (int c = 0; c < CLASSES; ++c) {
         float energy = sums.energies[c / 4][c % 4];
         if (energy <= 0.0) continue;
-        float roughness = roughness_of_class(material, c);
-        vec4 node = sample_lobe_table(material.tables.y, x, lobe_table_y(roughness));
+        float roughness = sqrt(sqrt(sums.variances[c / 4][c % 4] / energy));
+        vec4 node = sample_lobe_table(table, x, lobe_table_y(roughness));
         vec3 vector = (1.0 - lobe_spread(node, roughness)) * sums.vectors[c / 4][c % 4];
         Lobe lobe = lobe_from_moments(Moments(energy, vector, mat3(0.0)));
         sum += energy * incoming_radiance(lobe.direction, lobe.spread);
@@ -144,11 +150,9 @@ vec3 radiance_of(ClassSums sums, Material material) {
 }
 
 // With the coverage ratios of each ray's own part of the footprint (method: 7). Energy and direction of a ray's lobe,
-// which change little with roughness, are those of its mean roughness. All rays have the classes of the material that
-// the axis leaves through: to read those of each ray takes 6 % of the frame on software OpenGL.
+// which change little with roughness, are those of its mean roughness.
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     vec2 center = pixel_of(origin + axis.t * front.direction);
-    Material axis_material = materials[decode_material(axis.face.w)];
     ClassSums sums = no_class_sums();
     for (int i = 0; i < BUNDLE_RAYS; ++i) {
         vec3 d = bundle_ray(front, n, bundle_azimuth(i));
@@ -157,13 +161,13 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         vec3 outward = decode_normal(exit.face.xy);
         vec2 pixel = pixel_of(origin + exit.t * d);
         Coverage coverage = coverage_about(pixel, exit.face, FOOTPRINT_SHARE * distance(pixel, center));
-        Lobe lobe = leaving_lobe(d, outward, mean_roughness(coverage, axis_material), behind);
+        Lobe lobe = leaving_lobe(d, outward, mean_roughness(coverage, behind), behind);
         float eta = 1.0 / behind.reflection_ior.w;
         float table_x = lobe_table_x(refracted_cosine(eta, d, -outward, tir), eta);
         vec3 color = behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
-        sums = add_ray(sums, lobe, table_x, color, coverage);
+        sums = add_ray(sums, lobe, table_x, color, coverage, behind);
     }
-    return front.energy * radiance_of(sums, axis_material);
+    return front.energy * radiance_of(sums, materials[decode_material(axis.face.w)].tables.y);
 }
 #else
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
