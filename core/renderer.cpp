@@ -37,21 +37,26 @@ double seconds_of(Work work) {
 
 // The pictures of one size.
 struct Targets {
-    Targets(glm::ivec2 frame_size, RoughnessData of_front, RoughnessData of_back)
+    Targets(glm::ivec2 frame_size, RoughnessData of_front, RoughnessData of_back, bool with_layers)
         : size(frame_size),
           front(size, of_front),
-          back(size, of_back),
+          class_pyramid(make_class_pyramid(size, of_back, with_layers ? 2 : 1)),
+          back(size, of_back, class_pyramid),
           shaded(GL_RGBA32F, size.x, size.y, GL_NEAREST),
           sum(GL_RGBA32F, size.x, size.y, GL_NEAREST),
           shaded_framebuffer({{shaded}}),
-          sum_framebuffer({{sum}}) {}
+          sum_framebuffer({{sum}}) {
+        if (with_layers) inner.emplace(size, of_back, class_pyramid);
+    }
 
-    bool fit(glm::ivec2 frame_size, RoughnessData of_front, RoughnessData of_back) const {
-        return size == frame_size && front.roughness_data() == of_front && back.roughness_data() == of_back;
+    bool fit(glm::ivec2 frame_size, RoughnessData of_front, RoughnessData of_back, bool with_layers) const {
+        return size == frame_size && front.roughness_data() == of_front && back.roughness_data() == of_back &&
+               inner.has_value() == with_layers;
     }
 
     glm::ivec2 size;
     GeometryBuffer front;
+    gl::Texture class_pyramid;
     GeometryBuffer back;
     std::optional<InnerLayers> inner;  // where the transport needs them
     gl::Texture shaded;                // the newest sample's objects; later the data passes
@@ -132,13 +137,12 @@ void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
     prepare_seconds_["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
     const RoughnessData of_front = textures_.empty() ? RoughnessData::None : RoughnessData::Values;
     const RoughnessData of_back = RefractionPass::back_data(settings, textures_.most_classes());
-    if (!targets_ || !targets_->fit(settings.size, of_front, of_back)) {
+    const bool with_layers = RefractionPass::needs_layers(settings);
+    if (!targets_ || !targets_->fit(settings.size, of_front, of_back, with_layers)) {
         targets_.reset();
-        targets_ = std::make_unique<Targets>(settings.size, of_front, of_back);
+        targets_ = std::make_unique<Targets>(settings.size, of_front, of_back, with_layers);
     }
     if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();
-    if (!targets_->inner && RefractionPass::needs_layers(settings))
-        targets_->inner.emplace(settings.size, of_back);
     groups_ = group_objects(scene, meshes_, settings.size, region_of(settings));
     glDisable(GL_SCISSOR_TEST);
     constexpr float black[4] = {};
@@ -190,8 +194,7 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
         if (with_classes) {
             const gl::PassScope pass("coverage pyramid");
             const gl::Timers::Scope timer(timers_, "coverage");
-            targets_->back.filter_classes();
-            if (with_layers) targets_->inner->nearest_back.filter_classes();
+            glGenerateTextureMipmap(targets_->class_pyramid.id());
             pass.check();
         }
         if (with_pyramid) {
@@ -209,7 +212,8 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
         {
             const gl::PassScope pass("refraction");
             const gl::Timers::Scope timer(timers_, "refraction");
-            const BackGeometry back{targets_->back, with_layers ? &*targets_->inner : nullptr,
+            const BackGeometry back{targets_->back, targets_->class_pyramid,
+                                    with_layers ? &*targets_->inner : nullptr,
                                     with_pyramid ? pyramid_.get() : nullptr};
             refraction_.draw(inputs, targets_->shaded_framebuffer, back, materials_, group, number);
             pass.check();

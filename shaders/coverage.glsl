@@ -7,22 +7,23 @@
 #include "screen_space.glsl"
 
 #ifdef CLASS_LAYERS
-// Shares of classes times coverage, at all scales.
+// Shares of classes times coverage, at all scales: layers of the farthest backs, and then of the nearest.
 uniform sampler2DArray back_classes;
-#ifdef LAYERS
-uniform sampler2DArray nearest_back_classes;
-#endif
 #else
 #define CLASSES 1
 #endif
 
+const int COVERAGE_LAYERS = (CLASSES + 3) / 4;
+
 struct Coverage {
-    float ratios[CLASSES];  // their sum is 1
+    vec4 ratios[COVERAGE_LAYERS];  // of four classes each; their sum is 1
 };
+
+float ratio_of_class(Coverage coverage, int i) { return coverage.ratios[i / 4][i % 4]; }
 
 float roughness_of_class(Material material, int i) {
 #ifdef CLASS_LAYERS
-    return material.class_roughness[i];
+    return roughness_of_classes(material, i / 4)[i % 4];
 #else
     return material.color_roughness.w;
 #endif
@@ -31,23 +32,20 @@ float roughness_of_class(Material material, int i) {
 #ifdef CLASS_LAYERS
 // Four classes over a square of 2^level pixels about the exit.
 vec4 sample_classes(int layer, vec2 pixel, vec4 face, float level) {
-    vec3 place = vec3(pixel / frame_size, float(layer));
-#ifdef LAYERS
-    if (face.z != texelFetch(back_faces, ivec2(pixel), 0).z) return textureLod(nearest_back_classes, place, level);
-#endif
-    return textureLod(back_classes, place, level);
+    int first = decode_group(face.w) == NEAREST_BACKS ? CLASS_LAYERS : 0;
+    return textureLod(back_classes, vec3(pixel / frame_size, float(first + layer)), level);
 }
 
 // From shares times coverage. What covers too little to be stored at this scale has the first class.
-Coverage normalized_coverage(vec4 shares[CLASS_LAYERS]) {
+Coverage normalized_coverage(Coverage shares) {
     float sum = 0.0;
-    for (int layer = 0; layer < CLASS_LAYERS; ++layer) sum += dot(shares[layer], vec4(1.0));
-    Coverage coverage;
-    for (int layer = 0; layer < CLASS_LAYERS; ++layer) {
-        vec4 part = sum > 0.0 ? shares[layer] / sum : vec4(layer == 0 ? 1.0 : 0.0, 0.0, 0.0, 0.0);
-        for (int i = 0; i < min(4, CLASSES - 4 * layer); ++i) coverage.ratios[4 * layer + i] = part[i];
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) sum += dot(shares.ratios[layer], vec4(1.0));
+    if (sum <= 0.0) {
+        shares.ratios[0].x = 1.0;
+        return shares;
     }
-    return coverage;
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) shares.ratios[layer] /= sum;
+    return shares;
 }
 #endif
 
@@ -55,18 +53,20 @@ Coverage normalized_coverage(vec4 shares[CLASS_LAYERS]) {
 Coverage coverage_about(vec2 pixel, vec4 face, float pixels) {
 #ifdef CLASS_LAYERS
     float level = log2(max(pixels, 1.0));
-    vec4 shares[CLASS_LAYERS];
-    for (int layer = 0; layer < CLASS_LAYERS; ++layer) shares[layer] = sample_classes(layer, pixel, face, level);
+    Coverage shares;
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer)
+        shares.ratios[layer] = sample_classes(layer, pixel, face, level);
     return normalized_coverage(shares);
 #else
-    return Coverage(float[1](1.0));
+    return Coverage(vec4[1](vec4(1.0, 0.0, 0.0, 0.0)));
 #endif
 }
 
 #ifdef CLASS_LAYERS
 float mean_roughness(Coverage coverage, Material material) {
     float mean = 0.0;
-    for (int c = 0; c < CLASSES; ++c) mean += coverage.ratios[c] * material.class_roughness[c];
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer)
+        mean += dot(coverage.ratios[layer], roughness_of_classes(material, layer));
     return mean;
 }
 #endif

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A texel of a geometry buffer: the normal in octahedral coordinates, the distance along the camera's axis, and
-// an index (front: of the group and material, back: of the material), -1 where nothing is.
+// an index (nearest front: of the group and material, others: of the material; of the nearest backs in a group of their
+// own), -1 where nothing is.
 
 vec2 encode_normal(vec3 n) {
     n /= abs(n.x) + abs(n.y) + abs(n.z);
@@ -22,3 +23,6 @@ const float GROUP_SIZE = 4096.0;
 float encode_index(int group, int material) { return float(group) * GROUP_SIZE + float(material); }
 int decode_group(float index) { return int(floor(index / GROUP_SIZE)); }
 int decode_material(float index) { return int(mod(index, GROUP_SIZE)); }
+
+// The group of nearest back faces.
+const int NEAREST_BACKS = 4095;

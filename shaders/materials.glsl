@@ -7,7 +7,14 @@ struct Material {
     vec4 color_roughness;  // of a texture, its mean
     vec4 reflection_ior;
     vec4 absorption;
-    float class_roughness[MAX_ROUGHNESS_CLASSES];  // ascending; the last one repeats itself
+    uint class_roughness[MAX_ROUGHNESS_CLASSES / 2];  // two in each; ascending; the last one repeats itself
     ivec4 tables;  // entering, leaving, reflection (-1: none)
 };
+
+// Of four classes in a row, from class 4 * layer on. Packed, as software OpenGL takes long to read from buffers.
+vec4 roughness_of_classes(Material material, int layer) {
+    return vec4(unpackUnorm2x16(material.class_roughness[2 * layer]),
+                unpackUnorm2x16(material.class_roughness[2 * layer + 1]));
+}
+
 layout(std430, binding = 0) readonly buffer Materials { Material materials[]; };

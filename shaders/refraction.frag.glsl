@@ -93,53 +93,60 @@ vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorpt
 // the pyramid has half a texel's standard deviation, so that four of these make a footprint without gaps.
 const float FOOTPRINT_SHARE = 0.7;
 
-// What leaves at all exits, and by class of roughness, in the mean over rays.
+// What leaves at all exits, in the mean over rays, and by class of roughness, four a layer.
 struct ClassSums {
-    float energies[CLASSES];
-    vec3 vectors[CLASSES];  // of directions, times energy
-    vec3 colors[CLASSES];   // times energy
+    vec4 energies[CLASS_LAYERS];
+    mat4x3 vectors[CLASS_LAYERS];  // of directions, times energy
+    vec4 variances[CLASS_LAYERS];  // of the roughness, alpha^2, times energy
     float energy;
+    vec3 color;     // times energy
     float table_x;  // of the lobe tables, times energy
 };
 
 ClassSums no_class_sums() {
     ClassSums sums;
-    for (int c = 0; c < CLASSES; ++c) {
-        sums.energies[c] = 0.0;
-        sums.vectors[c] = vec3(0.0);
-        sums.colors[c] = vec3(0.0);
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) {
+        sums.energies[layer] = vec4(0.0);
+        sums.vectors[layer] = mat4x3(0.0);
+        sums.variances[layer] = vec4(0.0);
     }
     sums.energy = 0.0;
+    sums.color = vec3(0.0);
     sums.table_x = 0.0;
     return sums;
 }
 
-// Adds a lobe of an interface's mean roughness, with the ratios of the classes there.
-ClassSums add_ray(ClassSums sums, Lobe lobe, float table_x, vec3 color, Coverage coverage) {
-    for (int c = 0; c < CLASSES; ++c) {
-        float energy = coverage.ratios[c] * lobe.energy / float(BUNDLE_RAYS);
-        sums.energies[c] += energy;
-        sums.vectors[c] += energy * lobe.direction;
-        sums.colors[c] += energy * color;
+// Adds a lobe of an interface's mean roughness, with the ratios of its material's classes there.
+ClassSums add_ray(ClassSums sums, Lobe lobe, float table_x, vec3 color, Coverage coverage, Material material) {
+    float energy = lobe.energy / float(BUNDLE_RAYS);
+    for (int layer = 0; layer < CLASS_LAYERS; ++layer) {
+        vec4 energies = energy * coverage.ratios[layer];
+        vec4 roughness = roughness_of_classes(material, layer);
+        vec4 alpha = roughness * roughness;
+        sums.energies[layer] += energies;
+        sums.vectors[layer] += outerProduct(lobe.direction, energies);
+        sums.variances[layer] += energies * alpha * alpha;
     }
-    sums.energy += lobe.energy / float(BUNDLE_RAYS);
-    sums.table_x += lobe.energy / float(BUNDLE_RAYS) * table_x;
+    sums.energy += energy;
+    sums.color += energy * color;
+    sums.table_x += energy * table_x;
     return sums;
 }
 
-// Each class with the spread that its lobe has in the mean of the angles of incidence.
-vec3 radiance_of(ClassSums sums, Material material) {
+// Each class with the spread that its lobe has in the mean of the angles of incidence. table: of leaving lobes.
+vec3 radiance_of(ClassSums sums, int table) {
     float x = sums.table_x / max(sums.energy, 1e-12);
     vec3 sum = vec3(0.0);
     for (int c = 0; c < CLASSES; ++c) {
-        if (sums.energies[c] <= 0.0) continue;
-        float roughness = material.class_roughness[c];
-        vec4 node = sample_lobe_table(material.tables.y, x, lobe_table_y(roughness));
-        vec3 vector = (1.0 - lobe_spread(node, roughness)) * sums.vectors[c];
-        Lobe lobe = lobe_from_moments(Moments(sums.energies[c], vector, mat3(0.0)));
-        sum += sums.colors[c] * incoming_radiance(lobe.direction, lobe.spread);
+        float energy = sums.energies[c / 4][c % 4];
+        if (energy <= 0.0) continue;
+        float roughness = sqrt(sqrt(sums.variances[c / 4][c % 4] / energy));
+        vec4 node = sample_lobe_table(table, x, lobe_table_y(roughness));
+        vec3 vector = (1.0 - lobe_spread(node, roughness)) * sums.vectors[c / 4][c % 4];
+        Lobe lobe = lobe_from_moments(Moments(energy, vector, mat3(0.0)));
+        sum += energy * incoming_radiance(lobe.direction, lobe.spread);
     }
-    return sum;
+    return sums.color / max(sums.energy, 1e-12) * sum;
 }
 
 // With the coverage ratios of each ray's own part of the footprint (method: 7). Energy and direction of a ray's lobe,
@@ -158,9 +165,9 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         float eta = 1.0 / behind.reflection_ior.w;
         float table_x = lobe_table_x(refracted_cosine(eta, d, -outward, tir), eta);
         vec3 color = behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
-        sums = add_ray(sums, lobe, table_x, color, coverage);
+        sums = add_ray(sums, lobe, table_x, color, coverage, behind);
     }
-    return front.energy * radiance_of(sums, materials[decode_material(axis.face.w)]);
+    return front.energy * radiance_of(sums, materials[decode_material(axis.face.w)].tables.y);
 }
 #else
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
@@ -216,10 +223,11 @@ vec4 filtered_normals(Box box) {
 // Over a box about an exit.
 Coverage filtered_coverage(Box box, vec4 face) {
 #ifdef CLASS_LAYERS
-    vec4 shares[CLASS_LAYERS];
+    Coverage shares;
     for (int layer = 0; layer < CLASS_LAYERS; ++layer) {
-        shares[layer] = vec4(0.0);
-        for (int i = 0; i < box.taps; ++i) shares[layer] += sample_classes(layer, tap_of(box, i), face, box.level);
+        shares.ratios[layer] = vec4(0.0);
+        for (int i = 0; i < box.taps; ++i)
+            shares.ratios[layer] += sample_classes(layer, tap_of(box, i), face, box.level);
     }
     return normalized_coverage(shares);
 #else
@@ -252,13 +260,14 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Coverage coverage = filtered_coverage(box, axis.face);
     vec3 sum = vec3(0.0);
     for (int c = 0; c < CLASSES; ++c) {
-        if (coverage.ratios[c] <= 0.0) continue;
+        float ratio = ratio_of_class(coverage, c);
+        if (ratio <= 0.0) continue;
         float alpha = max(alpha_from_roughness(roughness_of_class(behind, c)), 1e-4);
         float kappa_D = 2.0 / (alpha * alpha);
         float kappa = kappa_G * kappa_D / (kappa_G + kappa_D);
         float roughness = min(pow(2.0 / kappa, 0.25), 1.0);
         Lobe lobe = leaving_lobe(front.direction, outward, roughness, behind);
-        sum += coverage.ratios[c] * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+        sum += ratio * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
     }
     return front.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) * sum;
 }
@@ -275,14 +284,15 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Coverage coverage = coverage_about(pixel, axis.face, sqrt(2.0) * distance(pixel, beside));
     vec3 sum = vec3(0.0);
     for (int c = 0; c < CLASSES; ++c) {
-        if (coverage.ratios[c] <= 0.0) continue;
+        float ratio = ratio_of_class(coverage, c);
+        if (ratio <= 0.0) continue;
         Lobe lobe = leaving_lobe(front.direction, outward, roughness_of_class(behind, c), behind);
 #ifdef TRANSPORT_DEPTH_MIP
         Lobe straight_front = entering_lobe(-n, n, material.color_roughness.w, material);
         Lobe straight_back = leaving_lobe(-n, -n, roughness_of_class(behind, c), behind);
         lobe.spread = depth_mip_spread(straight_front.spread, straight_back.spread, axis.t, bound);
 #endif
-        sum += coverage.ratios[c] * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+        sum += ratio * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
     }
     return front.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) * sum;
 }

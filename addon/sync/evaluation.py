@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from mathutils import Euler
 
-from . import images, nodes, operations, procedural
+from . import images, nodes, noise, operations, procedural, voronoi
 from .expressions import (
     Compiler, Expression, Function, Image, NodeFunction, Placement, Points, Reader, Unsupported,
     converted, once, own_array,
@@ -339,23 +339,26 @@ def _to_bw(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
     return lambda points: color(points) @ nodes.LUMINANCE
 
 
+_FROM_RGB = {'RGB': lambda color: color, 'HSV': operations.hsv_from_rgb, 'HSL': operations.hsl_from_rgb}
+_TO_RGB = {'RGB': lambda color: color, 'HSV': operations.rgb_from_hsv, 'HSL': operations.rgb_from_hsl}
+"""By the color model in which a node separates or combines."""
+
+
 def _separate(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
-    _check_mode(reader)
     whole = reader.vector(0) if reader.node.type == 'SEPXYZ' else reader.color(0)
+    convert = _FROM_RGB[_color_model(reader.node)]
     channel = list(reader.node.outputs).index(output)
-    return lambda points: whole(points)[..., channel]
+    return lambda points: convert(whole(points))[..., channel]
 
 
 def _combine(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
-    _check_mode(reader)
+    convert = _TO_RGB[_color_model(reader.node)]
     parts = [reader.number(i) for i in range(3)]
-    return lambda points: np.stack(np.broadcast_arrays(*(part(points) for part in parts)), axis=-1)
+    return lambda points: convert(np.stack(np.broadcast_arrays(*(part(points) for part in parts)), axis=-1))
 
 
-def _check_mode(reader: Reader) -> None:
-    mode = getattr(reader.node, "mode", 'RGB')
-    if mode != 'RGB':
-        raise Unsupported(reader.node, f"works in {mode}, which isn't supported yet")
+def _color_model(node: bpy.types.Node) -> str:
+    return 'HSV' if node.type in {'SEPHSV', 'COMBHSV'} else getattr(node, "mode", 'RGB')
 
 
 # Textures that are calculated
@@ -396,19 +399,76 @@ def _noise(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
     node = reader.node
     if getattr(node, "noise_type", 'FBM') != 'FBM':
         raise Unsupported(node, f"is of type '{node.noise_type}', which isn't supported yet")
-    if node.noise_dimensions not in {'2D', '3D'}:
-        raise Unsupported(node, f"is {node.noise_dimensions}, which isn't supported yet")
-    dimensions = int(node.noise_dimensions[0])
     normalize = getattr(node, "normalize", True)
-    vector = reader.coordinates(('GENERATED', ''))
-    names = ("Scale", "Detail", "Roughness", "Lacunarity", "Distortion")
-    numbers = {name: reader.number(name) for name in names if reader.has(name)}
+    place = _scaled_place(reader, node.noise_dimensions)
+    names = ("Detail", "Roughness", "Lacunarity", "Distortion")
+    numbers = {name.lower(): reader.number(name) for name in names if reader.has(name)}
     is_color = output.type == 'RGBA'
 
     def evaluate(points: Points) -> np.ndarray:
-        values = {name.lower(): function(points) for name, function in numbers.items()}
-        p = vector(points) * values.pop("scale")[..., None]
-        return procedural.noise(p, dimensions, is_color, normalize, **values)
+        values = {name: function(points) for name, function in numbers.items()}
+        return noise.noise(place(points), is_color, normalize, **values)
+    return evaluate
+
+
+def _scaled_place(reader: Reader, dimensions: str) -> Function:
+    """(N, D) float32: coordinates of '1D', '2D', '3D' or '4D'; the first and the last have W."""
+    count = int(dimensions[0])
+    vector = reader.coordinates(('GENERATED', '')) if count > 1 else None
+    w = reader.number("W") if count in {1, 4} else None
+    scale = reader.number("Scale") if reader.has("Scale") else None
+
+    def evaluate(points: Points) -> np.ndarray:
+        parts = [vector(points)[..., :count]] if vector else []
+        parts += [w(points)[..., None]] if w else []
+        shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
+        place = np.concatenate([np.broadcast_to(part, (*shape, part.shape[-1])) for part in parts], axis=-1)
+        return np.asarray(place * scale(points)[..., None] if scale else place, np.float32)
+    return evaluate
+
+
+def _white_noise(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
+    place = _scaled_place(reader, reader.node.noise_dimensions)
+    random = noise.random_color if output.type == 'RGBA' else noise.random_number
+    return lambda points: random(place(points))
+
+
+def _musgrave(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
+    kind = reader.node.musgrave_type
+    place = _scaled_place(reader, reader.node.musgrave_dimensions)
+    numbers = [reader.number(name) for name in ("Detail", "Dimension", "Lacunarity", "Offset", "Gain")]
+    return lambda points: noise.musgrave(kind, place(points), *(each(points) for each in numbers))
+
+
+def _voronoi(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
+    node = reader.node
+    if reader.has("Detail"):
+        raise Unsupported(node, "has octaves in this version of Blender, which isn't supported yet")
+    place = _scaled_place(reader, node.voronoi_dimensions)
+    randomness = _clamped(True, reader.number("Randomness"))
+    feature, metric = node.feature, 'EUCLIDEAN' if node.voronoi_dimensions == '1D' else node.distance
+    if feature == 'DISTANCE_TO_EDGE':
+        return lambda points: voronoi.distance_to_edge(place(points), randomness(points))
+    if feature == 'N_SPHERE_RADIUS':
+        return lambda points: voronoi.radius(place(points), randomness(points))
+    smoothness, exponent, scale = (reader.number(name) for name in ("Smoothness", "Exponent", "Scale"))
+
+    def cell(points: Points) -> voronoi.Cell:
+        distance = voronoi.distance_of(metric, exponent(points))
+        if feature == 'SMOOTH_F1':
+            return voronoi.smooth(place(points), randomness(points), distance, smoothness(points))
+        return voronoi.nearest(place(points), randomness(points), distance, feature == 'F2')
+
+    def evaluate(points: Points) -> np.ndarray:
+        found = cell(points)
+        if output.identifier in {'Distance', 'Color'}:
+            return found.distance if output.identifier == 'Distance' else found.color
+        position = operations.divided(found.position, scale(points)[..., None])
+        if output.identifier == 'W':
+            return position[..., -1]
+        flat = np.zeros((*position.shape[:-1], 3), np.float32)
+        flat[..., :min(position.shape[-1], 3)] = position[..., :3]
+        return flat
     return evaluate
 
 
@@ -465,15 +525,20 @@ _NODES: dict[str, NodeFunction] = {
     'BRIGHTCONTRAST': _bright_contrast,
     'RGBTOBW': _to_bw,
     'SEPRGB': _separate,
+    'SEPHSV': _separate,
     'SEPXYZ': _separate,
     'SEPARATE_COLOR': _separate,
     'COMBRGB': _combine,
+    'COMBHSV': _combine,
     'COMBXYZ': _combine,
     'COMBINE_COLOR': _combine,
     'TEX_CHECKER': _checker,
     'TEX_GRADIENT': _gradient,
     'TEX_MAGIC': _magic,
     'TEX_NOISE': _noise,
+    'TEX_WHITE_NOISE': _white_noise,
+    'TEX_MUSGRAVE': _musgrave,
+    'TEX_VORONOI': _voronoi,
     'TEX_WAVE': _wave,
     'TEX_BRICK': _brick,
 }

@@ -135,6 +135,49 @@ VECTOR_MATH: dict[str, Callable[..., Array]] = {
 """By the Vector Math node's operation."""
 
 
+# Color models: (…, 3) to (…, 3), hue in turns
+
+def _hue(rgb: Array) -> Array:
+    """0 … 1; 0 where there is none."""
+    r, g, b = np.moveaxis(rgb, -1, 0)
+    most, least = rgb.max(axis=-1), rgb.min(axis=-1)
+    from_red, from_green, from_blue = (divided(x - y, most - least) for x, y in ((g, b), (b, r), (r, g)))
+    sixths = np.where(r == most, from_red, np.where(g == most, 2.0 + from_green, 4.0 + from_blue))
+    return fraction(np.where(most > least, sixths, 0.0) / 6.0)
+
+
+def hsv_from_rgb(rgb: Array) -> Array:
+    most, least = rgb.max(axis=-1), rgb.min(axis=-1)
+    return np.stack([_hue(rgb), divided(most - least, most), most], axis=-1)
+
+
+def rgb_from_hsv(hsv: Array) -> Array:
+    hue, saturation, value = (hsv[..., i, None] for i in range(3))
+    hue = np.where(hue == 1.0, 0.0, hue)
+    # Beyond its ends hue goes through its last sixth again and again
+    last_sixth = (5.0 + fraction(6.0 * hue)) / 6.0
+    hue = np.where((hue >= 0.0) & (hue < 1.0), hue, last_sixth)
+    return value * mix(np.float32(1.0), _pure(hue), saturation)
+
+
+def hsl_from_rgb(rgb: Array) -> Array:
+    most, least = rgb.max(axis=-1), rgb.min(axis=-1)
+    lightness = np.minimum(0.5 * (most + least), 1.0)
+    saturation = divided(most - least, np.where(lightness > 0.5, 2.0 - most - least, most + least))
+    return np.stack([_hue(rgb), saturation, lightness], axis=-1)
+
+
+def rgb_from_hsl(hsl: Array) -> Array:
+    hue, saturation, lightness = (hsl[..., i, None] for i in range(3))
+    return lightness + (_pure(hue) - 0.5) * (1.0 - np.abs(2.0 * lightness - 1.0)) * saturation
+
+
+def _pure(hue: Array) -> Array:
+    """(…, 3) of full saturation and value; hue: (…, 1), red beyond 0 … 1."""
+    from_cyan, from_green, from_blue = (np.abs(6.0 * hue - sixths) for sixths in (3.0, 2.0, 4.0))
+    return np.clip(np.concatenate([from_cyan - 1.0, 2.0 - from_green, 2.0 - from_blue], axis=-1), 0.0, 1.0)
+
+
 # Mix
 
 def _soft_light(a: Array, b: Array) -> Array:
@@ -159,6 +202,31 @@ def _overlaid(a: Array, b: Array, t: Array) -> Array:
                     1.0 - (under + 2.0 * t * (1.0 - b)) * (1.0 - a))
 
 
+def _with_hue(a: Array, b: Array, t: Array) -> Array:
+    hsv, other = hsv_from_rgb(a), hsv_from_rgb(b)
+    hued = rgb_from_hsv(np.stack(np.broadcast_arrays(other[..., 0], hsv[..., 1], hsv[..., 2]), axis=-1))
+    return np.where(other[..., 1:2] != 0.0, mix(a, hued, t), a)
+
+
+def _with_saturation(a: Array, b: Array, t: Array) -> Array:
+    hsv = hsv_from_rgb(a)
+    saturation = mix(hsv[..., 1], hsv_from_rgb(b)[..., 1], t[..., 0])
+    mixed = rgb_from_hsv(np.stack(np.broadcast_arrays(hsv[..., 0], saturation, hsv[..., 2]), axis=-1))
+    return np.where(hsv[..., 1:2] != 0.0, mixed, a)
+
+
+def _with_value(a: Array, b: Array, t: Array) -> Array:
+    hsv = hsv_from_rgb(a)
+    value = mix(hsv[..., 2], hsv_from_rgb(b)[..., 2], t[..., 0])
+    return rgb_from_hsv(np.stack(np.broadcast_arrays(hsv[..., 0], hsv[..., 1], value), axis=-1))
+
+
+def _with_color(a: Array, b: Array, t: Array) -> Array:
+    hsv, other = hsv_from_rgb(a), hsv_from_rgb(b)
+    colored = rgb_from_hsv(np.stack(np.broadcast_arrays(other[..., 0], other[..., 1], hsv[..., 2]), axis=-1))
+    return np.where(other[..., 1:2] != 0.0, mix(a, colored, t), a)
+
+
 BLEND: dict[str, Callable[[Array, Array, Array], Array]] = {
     'MIX': mix,
     'ADD': lambda a, b, t: a + b * t,
@@ -175,6 +243,10 @@ BLEND: dict[str, Callable[[Array, Array, Array], Array]] = {
     'BURN': _burn,
     'SOFT_LIGHT': lambda a, b, t: mix(a, _soft_light(a, b), t),
     'LINEAR_LIGHT': lambda a, b, t: a + t * (2.0 * b - 1.0),
+    'HUE': _with_hue,
+    'SATURATION': _with_saturation,
+    'VALUE': _with_value,
+    'COLOR': _with_color,
 }
 """By a mix node's blend type: of two colours and a factor with a last axis of 1."""
 

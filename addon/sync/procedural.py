@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import operations
+from . import noise, operations
 
 Array = np.ndarray
 
@@ -83,7 +83,7 @@ def wave(kind: str, direction: str, profile: str, p: Array, distortion: Array, d
         n = 20.0 * np.sqrt(((across * p) ** 2).sum(axis=-1))
     n = n + phase
     if np.any(distortion != 0.0):
-        bend = _fractal(p * detail_scale[..., None], 3, detail, detail_roughness, np.float32(2.0), True)
+        bend = noise.fractal(p * detail_scale[..., None], detail, detail_roughness, np.float32(2.0), True)
         n = n + distortion * (2.0 * bend - 1.0)
     if profile == 'SIN':
         return 0.5 + 0.5 * np.sin(n - 0.5 * np.pi)
@@ -118,108 +118,3 @@ def _brick_noise(number: Array) -> Array:
     with np.errstate(over='ignore'):
         n = n * (n * n * np.uint32(60493) + np.uint32(19990303)) + np.uint32(1376312589)
     return 0.5 * (n & np.uint32(0x7FFFFFFF)).astype(np.float32) / 1073741824.0
-
-
-# Perlin noise: K. Perlin, Improving Noise, 2002, with Bob Jenkins' lookup3 as hash
-
-def noise(p: Array, dimensions: int, is_color: bool, normalize: bool, detail: Array, roughness: Array,
-          distortion: Array, lacunarity: Array = np.float32(2.0)) -> Array:
-    """(…), or (…, 3) where is_color. dimensions: 2 or 3."""
-    p = np.asarray(p, np.float32)[..., :dimensions]
-    if np.any(distortion != 0.0):
-        p = p + np.stack([_perlin(p + _offset(seed, dimensions)) * distortion for seed in range(dimensions)],
-                         axis=-1)
-
-    def octaves(at: Array) -> Array:
-        return _fractal(at, dimensions, detail, roughness, lacunarity, normalize)
-
-    if not is_color:
-        return octaves(p)
-    others = (octaves(p + _offset(dimensions + i, dimensions)) for i in range(2))
-    return np.stack([octaves(p), *others], axis=-1)
-
-
-def _fractal(p: Array, dimensions: int, detail: Array, roughness: Array, lacunarity: Array,
-             normalize: bool) -> Array:
-    """Octaves, each finer and weaker than the one before; the last one in part. detail: one number for all
-    points."""
-    p = np.asarray(p, np.float32)[..., :dimensions]
-    detail = float(np.clip(np.max(detail), 0.0, 15.0))
-    roughness = np.clip(roughness, 0.0, 1.0) if normalize else np.maximum(roughness, 0.0)
-    scale, amplitude, total, weight = np.float32(1.0), np.float32(1.0), np.float32(0.0), np.float32(0.0)
-    for _ in range(int(detail) + 1):
-        total = total + amplitude * _perlin(_scaled(p, scale))
-        weight = weight + amplitude
-        amplitude = amplitude * roughness
-        scale = scale * lacunarity
-    rest = detail - int(detail)
-    if rest == 0.0:
-        return 0.5 * total / weight + 0.5 if normalize else total
-    more = total + amplitude * _perlin(_scaled(p, scale))
-    if not normalize:
-        return operations.mix(total, more, rest)
-    return 0.5 * operations.mix(total / weight, more / (weight + amplitude), rest) + 0.5
-
-
-def _scaled(p: Array, scale: Array) -> Array:
-    return p * np.asarray(scale, np.float32)[..., None]
-
-
-def _perlin(p: Array) -> Array:
-    """-1 … 1, about. p: (…, 2 or 3) float32"""
-    dimensions = p.shape[-1]
-    cell = np.floor(p)
-    t = p - cell
-    fade = t * t * t * (t * (6.0 * t - 15.0) + 10.0)
-    corner = cell.astype(np.int64)
-    result = np.float32(0.0)
-    for number in range(2 ** dimensions):
-        step = np.array([(number >> axis) & 1 for axis in range(dimensions)])
-        weights = np.where(step == 1, fade, 1.0 - fade).prod(axis=-1)
-        hashed = _hash(*np.moveaxis((corner + step).astype(np.uint32), -1, 0))
-        slope = _slope_2d if dimensions == 2 else _slope_3d
-        result = result + weights * slope(hashed, t - step.astype(np.float32))
-    return (np.float32(0.6616) if dimensions == 2 else np.float32(0.9820)) * result
-
-
-def _slope_2d(hashed: Array, t: Array) -> Array:
-    h = hashed & np.uint32(7)
-    x, y = t[..., 0], t[..., 1]
-    u, v = np.where(h < 4, x, y), 2.0 * np.where(h < 4, y, x)
-    return np.where(h & 1, -u, u) + np.where(h & 2, -v, v)
-
-
-def _slope_3d(hashed: Array, t: Array) -> Array:
-    h = hashed & np.uint32(15)
-    x, y, z = t[..., 0], t[..., 1], t[..., 2]
-    u = np.where(h < 8, x, y)
-    v = np.where(h < 4, y, np.where((h == 12) | (h == 14), x, z))
-    return np.where(h & 1, -u, u) + np.where(h & 2, -v, v)
-
-
-def _offset(seed: int, dimensions: int) -> Array:
-    """100 … 200 in each dimension."""
-    def bits(number: float) -> Array:
-        return np.array([number], np.float32).view(np.uint32)
-
-    parts = [_hash(bits(seed), bits(axis))[0] for axis in range(dimensions)]
-    return (100.0 + 100.0 * np.array(parts, np.float32) / np.float32(0xFFFFFFFF)).astype(np.float32)
-
-
-def _hash(*keys: Array) -> Array:
-    """uint32 of two or three arrays of uint32: the last step of Jenkins' lookup3."""
-    start = np.uint32((0xDEADBEEF + (len(keys) << 2) + 13) & 0xFFFFFFFF)
-    with np.errstate(over='ignore'):
-        a, b = keys[0] + start, keys[1] + start
-        c = keys[2] + start if len(keys) == 3 else np.broadcast_to(start, np.shape(a))
-        c = (c ^ b) - _turned(b, 14)
-        a = (a ^ c) - _turned(c, 11)
-        b = (b ^ a) - _turned(a, 25)
-        c = (c ^ b) - _turned(b, 16)
-        a = (a ^ c) - _turned(c, 4)
-        b = (b ^ a) - _turned(a, 14)
-        return (c ^ b) - _turned(b, 24)
-
-
-def _turned(x: Array, bits: int) -> Array:
-    return (x << np.uint32(bits)) | (x >> np.uint32(32 - bits))

@@ -15,24 +15,23 @@ void scissor(const Rect& rect) {
 }
 
 gl::Texture make_roughness(glm::ivec2 size, RoughnessData data) {
-    if (data == RoughnessData::None) return {};
-    if (data == RoughnessData::Values) return {GL_R16, size.x, size.y, GL_NEAREST};
-    const auto longer = static_cast<unsigned>(std::max(size.x, size.y));
-    return {GL_RGBA8,          size.x, size.y, GL_LINEAR, static_cast<int>(std::bit_width(longer)),
-            class_layers(data)};
+    if (data != RoughnessData::Values) return {};
+    return {GL_R16, size.x, size.y, GL_NEAREST};
 }
 
 gl::Framebuffer make_framebuffer(const gl::Texture& texels, const gl::Texture& roughness, RoughnessData data,
-                                 const gl::Texture& depth) {
+                                 const gl::Texture& class_pyramid, int number, const gl::Texture& depth) {
+    const int first = number * class_layers(data);
     switch (data) {
         case RoughnessData::None:
             return gl::Framebuffer({{texels}}, &depth);
         case RoughnessData::Values:
             return gl::Framebuffer({{texels}, {roughness}}, &depth);
         case RoughnessData::Classes4:
-            return gl::Framebuffer({{texels}, {roughness, 0, 0}}, &depth);
+            return gl::Framebuffer({{texels}, {class_pyramid, 0, first}}, &depth);
         case RoughnessData::Classes8:
-            return gl::Framebuffer({{texels}, {roughness, 0, 0}, {roughness, 0, 1}}, &depth);
+            return gl::Framebuffer({{texels}, {class_pyramid, 0, first}, {class_pyramid, 0, first + 1}},
+                                   &depth);
     }
     return {};
 }
@@ -41,17 +40,34 @@ gl::Program make_program(const std::vector<std::string>& defines) {
     return {"geometry.vert.glsl", "geometry.frag.glsl", defines};
 }
 
+// NEAREST_BACKS of shaders/geometry_buffer.glsl.
+constexpr int nearest_backs = 4095;
+
+// What a texel's index holds beside the material.
+int group_of(Faces faces, int number) {
+    if (faces == Faces::NearestFront) return number;
+    return faces == Faces::NearestBack ? nearest_backs : 0;
+}
+
 bool is_front(Faces faces) { return faces == Faces::NearestFront || faces == Faces::FarthestFront; }
 bool is_nearest(Faces faces) { return faces == Faces::NearestFront || faces == Faces::NearestBack; }
 
 }  // namespace
 
-GeometryBuffer::GeometryBuffer(glm::ivec2 size, RoughnessData roughness_data)
+gl::Texture make_class_pyramid(glm::ivec2 size, RoughnessData data, int buffers) {
+    if (class_layers(data) == 0) return {};
+    const auto longer = static_cast<unsigned>(std::max(size.x, size.y));
+    const int levels = static_cast<int>(std::bit_width(longer));
+    return {GL_RGBA8, size.x, size.y, GL_LINEAR, levels, buffers * class_layers(data)};
+}
+
+GeometryBuffer::GeometryBuffer(glm::ivec2 size, RoughnessData roughness_data,
+                               const gl::Texture& class_pyramid, int number)
     : roughness_data_(roughness_data),
       texels_(GL_RGBA32F, size.x, size.y, GL_NEAREST),
       roughness_(make_roughness(size, roughness_data)),
       depth_(GL_DEPTH_COMPONENT32F, size.x, size.y, GL_NEAREST),
-      framebuffer_(make_framebuffer(texels_, roughness_, roughness_data, depth_)) {}
+      framebuffer_(make_framebuffer(texels_, roughness_, roughness_data, class_pyramid, number, depth_)) {}
 
 GeometryPass::GeometryPass()
     : programs_{make_program({}), make_program({"ROUGHNESS_VALUES"}), make_program({"CLASS_LAYERS 1"}),
@@ -95,7 +111,7 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
     program.use();
     program.set("roughness_texture", 0);
     program.set("projection", view.projection);
-    program.set("group", faces == Faces::NearestFront ? number : 0);
+    program.set("group", group_of(faces, number));
     for (const ViewObject& item : group.objects) {
         // A mirrored object turns its triangles inside out.
         const glm::mat3 linear(item.model_to_view);

@@ -11,7 +11,7 @@
 namespace verglas {
 
 // What a geometry buffer holds of roughness: nothing, each pixel's, or the shares in it of four or eight
-// classes, with mipmaps.
+// classes.
 enum class RoughnessData { None, Values, Classes4, Classes8 };
 
 // Layers of an array that hold four classes each.
@@ -19,18 +19,22 @@ inline int class_layers(RoughnessData data) {
     return data == RoughnessData::Classes8 ? 2 : data == RoughnessData::Classes4 ? 1 : 0;
 }
 
+// What holds the classes of several geometry buffers, at all scales: an array of class_layers() layers for
+// each. Shares are times coverage. None where data is not of classes.
+gl::Texture make_class_pyramid(glm::ivec2 size, RoughnessData data, int buffers);
+
 // A geometry buffer: normal, depth and index of one layer of faces (shaders/geometry_buffer.glsl), and their
 // roughness where textures make it vary.
 class GeometryBuffer {
   public:
-    explicit GeometryBuffer(glm::ivec2 size, RoughnessData roughness_data = RoughnessData::None);
+    // Classes are held in the pyramid, which must outlive it, as those of the buffer of this number.
+    explicit GeometryBuffer(glm::ivec2 size, RoughnessData roughness_data = RoughnessData::None,
+                            const gl::Texture& class_pyramid = {}, int number = 0);
     const gl::Texture& texels() const { return texels_; }
     RoughnessData roughness_data() const { return roughness_data_; }
-    // 0 … 1; an array of class_layers() layers where it holds classes, then times coverage.
+    // Each pixel's, 0 … 1.
     const gl::Texture& roughness() const { return roughness_; }
     const gl::Framebuffer& framebuffer() const { return framebuffer_; }
-    // Classes at all scales, from those of the pixels.
-    void filter_classes() const { glGenerateTextureMipmap(roughness_.id()); }
 
   private:
     RoughnessData roughness_data_;

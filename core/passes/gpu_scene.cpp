@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
+#include <glm/packing.hpp>
 #include <string>
 #include <unordered_set>
 #include <utility>
@@ -82,9 +84,17 @@ struct MaterialData {
     glm::vec4 color_roughness;
     glm::vec4 reflection_ior;
     glm::vec4 absorption;
-    RoughnessClasses class_roughness;
+    std::array<std::uint32_t, model::MAX_ROUGHNESS_CLASSES / 2> class_roughness;
     glm::ivec4 tables;
 };
+
+// Two in each.
+std::array<std::uint32_t, model::MAX_ROUGHNESS_CLASSES / 2> packed(const RoughnessClasses& classes) {
+    std::array<std::uint32_t, model::MAX_ROUGHNESS_CLASSES / 2> result{};
+    for (std::size_t i = 0; i < result.size(); ++i)
+        result[i] = glm::packUnorm2x16({classes[2 * i], classes[2 * i + 1]});
+    return result;
+}
 
 }  // namespace
 
@@ -155,7 +165,7 @@ bool MaterialCache::update(const std::vector<Material>& materials, const Texture
         data.push_back({{material.color, mean_roughness(material, textures)},
                         {material.reflection_color, entering.eta},
                         {material.absorption, 0.0F},
-                        roughness_classes(material, textures),
+                        packed(roughness_classes(material, textures)),
                         {entering.refraction, tables_.tables(i, 1.0F / material.ior).refraction,
                          entering.reflection, 0}});
     }

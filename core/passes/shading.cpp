@@ -22,8 +22,7 @@ enum Unit : GLuint {
     nearest_back_unit,
     farthest_front_unit,
     front_roughness_unit,
-    back_classes_unit,
-    nearest_back_classes_unit
+    back_classes_unit
 };
 
 void begin(const gl::Framebuffer& target, const View& view, const Rect& rect) {
@@ -113,12 +112,8 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     set_screen_space(shader, inputs);
     set_texture(shader, "back_faces", back_unit, back.farthest.texels());
     set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
-    if (back_data != RoughnessData::None) {
-        set_texture(shader, "back_classes", back_classes_unit, back.farthest.roughness());
-        if (back.inner != nullptr)
-            set_texture(shader, "nearest_back_classes", nearest_back_classes_unit,
-                        back.inner->nearest_back.roughness());
-    }
+    if (back_data != RoughnessData::None)
+        set_texture(shader, "back_classes", back_classes_unit, back.class_pyramid);
     if (inputs.front.roughness_data() != RoughnessData::None)
         set_texture(shader, "front_roughness", front_roughness_unit, inputs.front.roughness());
     if (back.inner != nullptr) {

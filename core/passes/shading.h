@@ -26,7 +26,9 @@ struct ShadingInputs {
 
 // Layers between the nearest front and the farthest back faces, where an object lies before itself.
 struct InnerLayers {
-    InnerLayers(glm::ivec2 size, RoughnessData of_back) : nearest_back(size, of_back), farthest_front(size) {}
+    // class_pyramid: whose second buffer the nearest backs are.
+    InnerLayers(glm::ivec2 size, RoughnessData of_back, const gl::Texture& class_pyramid)
+        : nearest_back(size, of_back, class_pyramid, 1), farthest_front(size) {}
 
     GeometryBuffer nearest_back;
     GeometryBuffer farthest_front;
@@ -35,8 +37,9 @@ struct InnerLayers {
 // What lies behind the front faces of a group.
 struct BackGeometry {
     const GeometryBuffer& farthest;
-    const InnerLayers* inner;    // may be null where it isn't needed
-    const PyramidPass* pyramid;  // likewise
+    const gl::Texture& class_pyramid;  // of the farthest and the nearest
+    const InnerLayers* inner;          // may be null where it isn't needed
+    const PyramidPass* pyramid;        // likewise
 };
 
 // Shades the front faces of a group from its front and back faces (de Rousiers et al. 2012, third pass), once

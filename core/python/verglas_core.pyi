@@ -208,8 +208,10 @@ class Frame:
         """Wall time of the passes and readback, without uploads and table or environment work."""
     @property
     def pass_seconds(self) -> dict[str, float]:
-        """GPU time by pass, summed over samples: 'back_faces', 'front_faces', 'refraction', …; and the wall time
-        in which pixels come back from the GPU, 'readback'. Empty where the path tracer made the frame."""
+        """GPU time by pass, summed over samples, of those that the frame has. In their order: 'back_faces',
+        'inner_layers' (nearest backs, farthest fronts), 'coverage' (classes of roughness at all scales), 'pyramid'
+        (normals and depths at all scales), 'front_faces', 'refraction', 'background', 'data' (depth and normals);
+        and the wall time in which pixels come back from the GPU, 'readback'. Empty where the CPU made the frame."""
     @property
     def prepare_seconds(self) -> dict[str, float]:
         """Wall time before the passes: 'meshes' and 'textures' (upload), 'tables' (loaded or built, upload),

@@ -32,12 +32,13 @@ def device(method: str) -> str:
     return 'CPU' if method == TRACED else 'OPENGL'
 
 
-def cost(scene: core.Scene, method: str, size: Size, plan: Plan, threads: int = 0) -> Row:
+def cost(scene: core.Scene, method: str, size: Size, plan: Plan, **attributes) -> Row:
     """Of the median of several frames after one that warms up: wall time (frame_ms), GPU time by pass with
-    the wall time of the readback (passes_ms), and the wall time outside of these (other_ms). threads: of the
-    CPU device; 0: one for each core."""
+    the wall time of the readback (passes_ms), and the wall time outside of these (other_ms). attributes: of
+    core.Settings, other than its defaults."""
     chosen = settings(method, size)
-    chosen.threads = threads
+    for name, value in attributes.items():
+        setattr(chosen, name, value)
     renderer.render(device(method), scene, chosen)
     frames: list[core.Frame] = []
     end = time.perf_counter() + plan.seconds

@@ -38,6 +38,7 @@ def measure(quick: bool, progress) -> dict:
         "triangles": scaling.by_triangles(plan, progress),
         "pixels": scaling.by_pixels(plan, progress),
         "threads": scaling.by_threads(plan, progress),
+        "roughness": scaling.by_roughness(plan, progress),
         "updates": updates.steps(plan, progress),
         "preparation": preparation.steps(plan, progress),
         "engines": engines.engines(plan, progress, notes),

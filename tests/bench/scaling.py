@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cost of a frame: of several models, against triangles, against pixels, and against threads."""
+"""The cost of a frame: of several models, against triangles, pixels and threads, and by what is known of a
+roughness that varies."""
 
 import functools
 import os
@@ -15,6 +16,9 @@ from .plan import Plan
 
 BALL_SIZE = 512
 """Pixels a side of the pictures for cost against triangles."""
+
+ROUGHNESS_BALL_EDGE = 37
+"""Squares along the edge of the ball whose roughness varies: 16,428 triangles."""
 
 
 def by_model(plan: Plan, progress: Progress) -> list[Row]:
@@ -56,11 +60,25 @@ def by_pixels(plan: Plan, progress: Progress) -> list[Row]:
     return rows
 
 
+def by_roughness(plan: Plan, progress: Progress) -> list[Row]:
+    """Of a ball under OpenGL: with the same roughness all over, and with a texture of all roughnesses, of
+    which the back has the mean or classes."""
+    progress.step("frames by roughness")
+    view = subjects.subject(MODELS["sphere"], plan.engine_size, progress).core_scene
+    kinds = {"uniform": (False, {}), "mean on the back": (True, {"back_roughness": 'SIMPLE'}),
+             **{f"{count} classes on the back": (True, {"roughness_classes": count}) for count in (2, 4, 8)}}
+    rows = []
+    for name, (is_textured, attributes) in kinds.items():
+        scene = subjects.ball_scene(ROUGHNESS_BALL_EDGE, view, is_textured)
+        rows.append({"roughness": name} | cost(scene, "bundle", plan.engine_size, plan, **attributes))
+    return rows
+
+
 def by_threads(plan: Plan, progress: Progress) -> list[Row]:
     """Of the monkey, traced by 1, 2, 4, … threads up to one for each core."""
     progress.step("frames by numbers of threads")
     subject = subjects.subject(MODELS["monkey"], plan.engine_size, progress)
     cores = len(os.sched_getaffinity(0))
     counts = sorted({*(1 << i for i in range(cores.bit_length())), cores})
-    return [{"threads": count} | cost(subject.core_scene, TRACED, plan.engine_size, plan, count)
+    return [{"threads": count} | cost(subject.core_scene, TRACED, plan.engine_size, plan, threads=count)
             for count in counts]

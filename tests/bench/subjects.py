@@ -68,20 +68,34 @@ def ball_mesh(squares: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def ball(squares: int) -> core.Mesh:
+    """Its UVs are X and Z, 0 … 1 across it."""
     points, triangles = ball_mesh(squares)
-    return core.Mesh(f"Ball of {len(triangles)} triangles", points, points, triangles)
+    return core.Mesh(f"Ball of {len(triangles)} triangles", points, points, triangles,
+                     uvs=0.5 + 0.5 * points[:, [0, 2]])
 
 
-def scene_of(mesh: core.Mesh, matrix: np.ndarray) -> core.Scene:
-    """The mesh in glass before a black world. matrix: object -> world."""
+def scene_of(mesh: core.Mesh, matrix: np.ndarray, material: core.Material | None = None) -> core.Scene:
+    """The mesh in glass before a black world. matrix: object -> world. material: default all alike."""
     scene = core.Scene()
-    scene.add_object("Ball", mesh, matrix, [scene.add_material(core.Material("Glass"))])
+    index = scene.add_material(material or core.Material("Glass"))
+    scene.add_object("Ball", mesh, matrix, [index])
     return scene
 
 
-def ball_scene(squares: int, view: core.Scene) -> core.Scene:
-    """The ball in place of another scene's objects, with its camera and world."""
-    scene = scene_of(ball(squares), np.eye(4))
+def frosted() -> core.Material:
+    """Glass with waves of all roughnesses from 0.05 to 0.9, of which there is as much of each."""
+    v, u = np.indices((256, 256)) / 256.0
+    waves = np.sin(2.0 * np.pi * (3.0 * u + v)) + np.sin(2.0 * np.pi * (u - 2.0 * v))
+    ranks = waves.ravel().argsort().argsort().reshape(waves.shape)
+    material = core.Material("Frosted")
+    material.roughness_texture = core.Texture("Waves", 0.05 + 0.85 * ranks / ranks.max())
+    return material
+
+
+def ball_scene(squares: int, view: core.Scene, is_textured: bool = False) -> core.Scene:
+    """The ball in place of another scene's objects, with its camera and world. is_textured: its roughness
+    varies."""
+    scene = scene_of(ball(squares), np.eye(4), frosted() if is_textured else None)
     scene.camera = view.camera
     scene.environment_map = view.environment_map
     scene.environment_color = view.environment_color

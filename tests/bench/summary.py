@@ -39,6 +39,9 @@ def ratios(results: dict[str, list[Row]]) -> dict[str, float]:
     for row in threads[1:]:
         name = f"traced, 1 thread / {row['threads']} threads"
         result[name] = threads[0]["frame_ms"] / row["frame_ms"]
+    uniform, *varying = results["roughness"]
+    for row in varying:
+        result[f"{row['roughness']} / uniform roughness"] = row["frame_ms"] / uniform["frame_ms"]
     return result
 
 

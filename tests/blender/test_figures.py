@@ -54,14 +54,14 @@ def test_quick_run_writes_what_it_says(tmp_path):
         values = [value for row in record["numbers"] for value in row.values() if isinstance(value, float)]
         assert values and np.isfinite(values).all()
     assert {row["method"] for row in figures["10"]["numbers"]} == {"bundle", "traced", "paper"}
-    assert "Fig. 13" in page  # among those that aren't made yet
+    assert "Fig. 16" in page  # among those that aren't made yet
 
 
 def test_unknown_figure_is_refused(tmp_path, capsys):
     """A mistyped number would make nothing, or all, without a word."""
     with pytest.raises(SystemExit):
-        run.main(["--out", str(tmp_path / "new"), "--only", "13"])
-    assert "no figure 13" in capsys.readouterr().err
+        run.main(["--out", str(tmp_path / "new"), "--only", "16"])
+    assert "no figure 16" in capsys.readouterr().err
     assert not (tmp_path / "new").exists()
 
 

@@ -21,8 +21,8 @@ TIMED_SAMPLES = 128
 
 METHODS = {"specular": "Specular", "bundle": "Ours (bundle)", "traced": "Ours (traced)", "paper": "Paper"}
 
-PASSES = ("back_faces", "inner_layers", "pyramid", "front_faces", "refraction", "background", "data",
-          "readback", "tracing")
+PASSES = ("back_faces", "inner_layers", "coverage", "pyramid", "front_faces", "refraction", "background",
+          "data", "readback", "tracing")
 """In the order of the frame; the last is all of traced's. The rest of its time is drawn as 'other'."""
 
 COLUMNS = ("Model", "Triangles", "Pixels", *METHODS.values(), "Ground truth")

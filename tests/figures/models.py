@@ -66,6 +66,12 @@ MODELS = {model.name: model for model in (
 )}
 """Those of the paper's Fig. 14, each under its own environment map."""
 
+GLOBE = Model("globe", _PARK, lens=58.0)
+"""That of Fig. 13; its roughness is that of water, and rougher where land is."""
+
+SPOTS_SCALE = 2.5
+"""Cells of noise in a length of 1, of what is rougher on other models."""
+
 
 def roughness_of(exponent: float) -> float:
     """Blender's roughness for a Blinn-Phong exponent: 2 / roughness^4 - 2."""
@@ -81,8 +87,9 @@ def about(*models: Model) -> str:
     return credit + "".join(stand_ins)
 
 
-def new_scene(model: Model, exponent: float) -> bpy.types.Scene:
-    """The model, of glass with this Blinn-Phong exponent, in place of a sample scene's object."""
+def new_scene(model: Model, exponent: float, rough_exponent: float | None = None) -> bpy.types.Scene:
+    """The model, of glass with this Blinn-Phong exponent, in place of a sample scene's object. With
+    rough_exponent, the globe's land or spots on other models have that."""
     scene = _append_scene(model.scene)
     if model.title == model.name:
         scene.camera.data.lens = model.lens
@@ -93,11 +100,29 @@ def new_scene(model: Model, exponent: float) -> bpy.types.Scene:
         obj.data.materials.append(material)
         obj.rotation_euler = (0.0, 0.0, 0.0)
     material.verglas.ndf = 'BLINN_PHONG'
-    _node(material.node_tree, 'BSDF_GLASS').inputs["Roughness"].default_value = roughness_of(exponent)
+    roughness = _node(material.node_tree, 'BSDF_GLASS').inputs["Roughness"]
+    roughness.default_value = roughness_of(exponent)
+    if rough_exponent is not None:
+        between = roughness.links[0].from_node if roughness.is_linked else _add_spots(roughness)
+        between.inputs["To Min"].default_value = roughness_of(exponent)
+        between.inputs["To Max"].default_value = roughness_of(rough_exponent)
     tree = scene.world.node_tree
     _node(tree, 'TEX_ENVIRONMENT').image = bpy.data.images.load(str(model.world.path), check_existing=True)
     _node(tree, 'MAPPING').inputs["Rotation"].default_value[2] = np.radians(model.world.degrees)
     return scene
+
+
+def _add_spots(roughness: bpy.types.NodeSocket) -> bpy.types.Node:
+    """Links the socket to noise, cut off to two values; returns the Map Range node between."""
+    tree = roughness.id_data
+    coordinates, noise, between = (tree.nodes.new(f"ShaderNode{kind}") for kind in
+                                   ("TexCoord", "TexNoise", "MapRange"))
+    noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = SPOTS_SCALE, 0.0
+    between.inputs["From Min"].default_value, between.inputs["From Max"].default_value = 0.5, 0.53
+    tree.links.new(coordinates.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs["Fac"], between.inputs["Value"])
+    tree.links.new(between.outputs["Result"], roughness)
+    return between
 
 
 def _append_scene(name: str) -> bpy.types.Scene:

@@ -8,10 +8,6 @@ from pathlib import Path
 from verglas.compare import pages
 
 NOT_YET = {
-    "Rough refraction, Fig. 13":
-        "the globe of two roughnesses needs textures of roughness in the real-time renderer.",
-    "Rough refraction, Fig. 15":
-        "the models of two roughnesses need textures of roughness in the real-time renderer.",
     "Rough refraction, Fig. 16":
         "the slab before a spherical light needs thin panes and local lights.",
     "Thin layers (ENDF), Fig. 2":

@@ -40,7 +40,7 @@ def main(arguments: list[str], silence: bool = False) -> int:
     if addon_utils.enable("verglas") is None:
         sys.exit("verglas: the add-on isn't installed in this Blender, or can't be enabled.")
     import matplotlib
-    from figures import against_truth, cost, gallery, layout, lobes, page, transports
+    from figures import against_truth, cost, gallery, layout, lobes, page, patterns, transports
     from figures.studio import Studio
     from verglas.compare.progress import Progress, silence_blender
     from verglas.faults import Fault
@@ -48,8 +48,9 @@ def main(arguments: list[str], silence: bool = False) -> int:
 
     makers = {
         "3": lobes.figure_3, "10": against_truth.figure_10, "11": against_truth.figure_11,
-        "12": against_truth.figure_12, "14": cost.figure_14, "17": transports.figure_17,
-        "18": transports.figure_18, "19": gallery.figure_19,
+        "12": against_truth.figure_12, "13": patterns.figure_13, "14": cost.figure_14,
+        "15": patterns.figure_15, "17": transports.figure_17, "18": transports.figure_18,
+        "19": gallery.figure_19,
     }
     chosen = parse_arguments(arguments, list(makers))
     try:

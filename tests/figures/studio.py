@@ -23,12 +23,15 @@ class Case:
     """whether the truth follows totally reflected light inside the glass"""
     paths: str = 'two_interface'
     """as methods.Conditions.paths; tir doesn't matter to 'full'"""
+    rough_exponent: float | None = None
+    """of parts of the surface, as models.new_scene has them; None where it is the same all over"""
 
     @property
     def numbers(self) -> Row:
         """What a row of numbers about it begins with."""
-        return {"model": self.model.title, "environment": self.model.world.name,
-                "exponent": self.exponent, "paths": self.paths, "truth_with_tir": self.tir}
+        rough = {} if self.rough_exponent is None else {"rough_exponent": self.rough_exponent}
+        return {"model": self.model.title, "environment": self.model.world.name, "exponent": self.exponent,
+                **rough, "paths": self.paths, "truth_with_tir": self.tir}
 
 
 class Studio:
@@ -54,8 +57,8 @@ class Studio:
     def subject(self, case: Case) -> methods.Subject:
         if case not in self._subjects:
             conditions = methods.Conditions(self.size, self.size, self.samples, case.paths, case.tir)
-            self._subjects[case] = methods.Subject(new_scene(case.model, case.exponent), conditions,
-                                                   self._warn)
+            scene = new_scene(case.model, case.exponent, case.rough_exponent)
+            self._subjects[case] = methods.Subject(scene, conditions, self._warn)
         return self._subjects[case]
 
     def truth(self, case: Case) -> Truth:

@@ -139,6 +139,36 @@ def slab(thickness=0.3):
     return flat_faces("Slab", corners, uvs)
 
 
+def test_footprint_across_two_materials(renderer):
+    """A user loses: a plain material beside a painted one on the far side, without a seam where rays of a
+    pixel leave through both."""
+    y, corners = 0.3, [[(-1, -0.3, -1), (1, -0.3, -1), (1, -0.3, 1), (-1, -0.3, 1)]]
+    corners += [[(x + 1, y, -1), (x, y, -1), (x, y, 1), (x + 1, y, 1)] for x in (-1, 0)]
+    mesh = flat_faces("Slab", corners, 3 * [(0, 0), (1, 0), (1, 1), (0, 1)], [0, 0, 1, 1, 2, 2])
+
+    def scene_with(textured):
+        scene = scene_of()
+        scene.environment_map = stripes()
+        slots = []
+        for roughness, with_texture in zip((0.4, 0.3, 0.6), textured):
+            material = verglas.Material("Glass")
+            material.roughness = roughness
+            if with_texture:
+                material.roughness_texture = verglas.Texture("Flat", np.full((4, 4), roughness))
+            slots.append(scene.add_material(material))
+        if any(textured):  # two classes for all: of a texture that no object has
+            material.roughness_texture = verglas.Texture("Two", [[0.1, 0.9]])
+            scene.add_material(material)
+        scene.add_object("Slab", mesh, np.eye(4), slots)
+        return scene
+    settings = settings_of(reflection=False, tir="NONE", samples=4)
+    plain = renderer.render(scene_with((False, False, False)), settings).combined
+    mixed = renderer.render(scene_with((False, True, False)), settings).combined
+    difference = np.abs(mixed - plain)[32:64, 32:64]
+    print(f"beside the seam: mean difference {difference.mean():.4f}, most {difference.max():.4f}")
+    assert difference.max() < 0.03
+
+
 def test_gradients_stay_smooth(renderer):
     """A user loses: soft transitions: classes of roughness that show as bands."""
     mesh, ramp = slab(), verglas.Texture("Ramp", [np.linspace(0.05, 0.9, 256)], "EXTEND")
