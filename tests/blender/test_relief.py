@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Normal maps and bump maps: the normals that Cycles has, and what the user sees of them."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from scenes import add_node, add_sphere, new_material, node_of, render
+from textures import add_image, add_plane, link, new_image, set_uvs
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def relief_glass(build) -> bpy.types.Material:
+    """Glass with the output of nodes in its Normal."""
+    material = new_material("Ice", Roughness=0.2)
+    tree = material.node_tree
+    tree.links.new(build(tree), node_of(tree, "ShaderNodeBsdfGlass").inputs["Normal"])
+    return material
+
+
+def normal_image(size: int = 16, **options) -> bpy.types.Image:
+    """Smooth normals of up to 30 degrees."""
+    x, y = np.meshgrid((np.arange(size) + 0.5) / size * 2 * np.pi, (np.arange(size) + 0.5) / size * 2 * np.pi)
+    normals = np.stack([0.5 * np.sin(x + 0.3), 0.5 * np.sin(y + 2.0 * np.cos(x)), np.ones_like(x)], -1)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    return new_image((0.5 + 0.5 * normals).astype(np.float32), "Normals", **options)
+
+
+def normal_map(tree, image: bpy.types.Image | None = None, strength: float = 1.0, **values):
+    """values: of the Normal Map node."""
+    node = add_node(tree, "ShaderNodeNormalMap", Strength=strength, **values)
+    tree.links.new(add_image(tree, image or normal_image()).outputs[0], node.inputs["Color"])
+    return node.outputs[0]
+
+
+def bump(tree, height: bpy.types.NodeSocket, normal: bpy.types.NodeSocket | None = None, **values):
+    node = add_node(tree, "ShaderNodeBump", **values)
+    tree.links.new(height, node.inputs["Height"])
+    if normal is not None:
+        tree.links.new(normal, node.inputs["Normal"])
+    return node.outputs[0]
+
+
+def hills(tree, size: int = 256, **values) -> bpy.types.NodeSocket:
+    """Smooth heights of an image on the UV map."""
+    x, y = np.meshgrid((np.arange(size) + 0.5) / size * 2 * np.pi, (np.arange(size) + 0.5) / size * 2 * np.pi)
+    heights = 0.5 + 0.2 * np.sin(2.0 * x) * np.cos(y) + 0.1 * np.sin(3.0 * y)
+    image = new_image(np.repeat(heights[..., None], 3, -1).astype(np.float32), "Heights", **values)
+    return add_image(tree, image).outputs[0]
+
+
+def waves(tree, scale: float = 0.5) -> bpy.types.NodeSocket:
+    """Heights that are no image."""
+    return add_node(tree, "ShaderNodeTexWave", Scale=scale, Distortion=1.0, Detail=0.0).outputs["Fac"]
+
+
+def normals_of_cycles(scene: bpy.types.Scene, obj: bpy.types.Object) -> np.ndarray:
+    """(H, W, 3) what goes into the material's Normal at the pixels' centres, by Cycles."""
+    tree = obj.data.materials[0].node_tree
+    source = node_of(tree, "ShaderNodeBsdfGlass").inputs["Normal"].links[0].from_socket
+    half = add_node(tree, "ShaderNodeVectorMath", operation='MULTIPLY_ADD')
+    half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
+    tree.links.new(source, half.inputs[0])
+    emission = link(tree, "ShaderNodeEmission", {0: half.outputs[0]})
+    surface = node_of(tree, "ShaderNodeOutputMaterial").inputs["Surface"]
+    glass = surface.links[0].from_socket
+    tree.links.new(emission, surface)
+    scene.render.engine = 'CYCLES'
+    cycles = scene.cycles
+    cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = 1, False, False
+    cycles.pixel_filter_type, cycles.filter_width = 'BOX', 0.01
+    normals = 2.0 * render(scene).rgb - 1.0
+    scene.render.engine = 'VERGLAS'
+    tree.links.new(glass, surface)
+    return normals
+
+
+def assert_normals_as_cycles(scene, obj, tolerance: float, share: float = 1.0, least: float = 0.1) -> None:
+    """By both devices. share: of the pixels that are within the tolerance; Cycles takes bumps from differences
+    over a pixel, and turns normals that face away. least: how far normals are bent at least somewhere."""
+    scene.render.resolution_percentage = 600
+    truth = normals_of_cycles(scene, obj)
+    for device in ('OPENGL', 'CPU'):
+        scene.verglas.device = device
+        picture = render(scene)
+        inside = picture.mask & (np.abs(truth).max(-1) > 0.0)
+        error = np.linalg.norm(picture.normal - truth, axis=-1)[inside]
+        print(f"{device}: error up to {error.max():.4f}, mean {error.mean():.5f}; "
+              f"{np.mean(error <= tolerance):.3f} within {tolerance}")
+        assert inside.sum() > 300
+        assert np.mean(error <= tolerance) >= share
+    socket = node_of(obj.data.materials[0].node_tree, "ShaderNodeBsdfGlass").inputs["Normal"]
+    socket.id_data.links.remove(socket.links[0])
+    assert np.linalg.norm(render(scene).normal - truth, axis=-1)[inside].max() > least
+
+
+def turned_plane(material, **options) -> bpy.types.Object:
+    """Toward the camera, askew and stretched."""
+    plane = add_plane(material, cells=3, **options)
+    plane.rotation_euler = (math.radians(70), math.radians(10), math.radians(25))
+    plane.scale = (1.3, 0.8, 1.0)
+    return plane
+
+
+@pytest.mark.parametrize("strength", [0.4, 1.0, 2.0])
+@pytest.mark.parametrize("space", ['TANGENT', 'OBJECT', 'WORLD', 'BLENDER_OBJECT', 'BLENDER_WORLD'])
+def test_normal_map(scene, space, strength):
+    """A normal map would bend light otherwise than in Cycles: turned, too weak or too strong."""
+    plane = turned_plane(relief_glass(lambda tree: normal_map(tree, strength=strength, space=space)))
+    assert_normals_as_cycles(scene, plane, 0.004)
+
+
+@pytest.mark.parametrize("shape", ["sphere", "flat sphere", "mirrored sphere", "mirrored coordinates"])
+def test_normal_map_on_shapes(scene, shape):
+    """Normal maps would turn at seams, on flat faces, or on mirrored halves of a model."""
+    sphere = add_sphere(relief_glass(lambda tree: normal_map(tree, uv_map="UVMap")), 24, 12)
+    sphere.rotation_euler = (0.5, 0.3, 1.0)
+    if shape == "flat sphere":
+        sphere.data.polygons.foreach_set("use_smooth", np.zeros(len(sphere.data.polygons), bool))
+    elif shape == "mirrored sphere":
+        sphere.scale = (-1.0, 0.9, 1.1)
+    elif shape == "mirrored coordinates":
+        for loop in sphere.data.uv_layers[0].data:
+            loop.uv.x = abs(2.0 * loop.uv.x - 1.0)
+    assert_normals_as_cycles(scene, sphere, 0.02, 0.97)
+
+
+@pytest.mark.parametrize("options", [
+    {"interpolation": 'Closest'}, {"extension": 'CLIP'}, {"extension": 'EXTEND'}, {"space": 'sRGB'}], ids=str)
+def test_image_of_a_normal_map(scene, options):
+    """A normal map's image would be read otherwise than Cycles reads it."""
+    space = options.pop("space", 'Non-Color')
+
+    def build(tree):
+        output = normal_map(tree, normal_image(space=space, is_float=space != 'sRGB'))
+        for name, value in options.items():
+            setattr(node_of(tree, "ShaderNodeTexImage"), name, value)
+        return output
+    assert_normals_as_cycles(scene, turned_plane(relief_glass(build), uv_range=(-0.3, 1.4)), 0.01, 0.95)
+
+
+def test_tangents_of_another_uv_map(scene):
+    """Normal maps on a second UV map would be turned."""
+    def build(tree):
+        output = normal_map(tree, uv_map="Second")
+        uv = add_node(tree, "ShaderNodeUVMap", uv_map="Second").outputs[0]
+        tree.links.new(uv, node_of(tree, "ShaderNodeTexImage").inputs["Vector"])
+        return output
+    plane = turned_plane(relief_glass(build))
+    set_uvs(plane.data, "Second", (0.0, 1.0))
+    for loop in plane.data.uv_layers["Second"].data:
+        loop.uv = (0.8 * loop.uv.y, 0.3 - loop.uv.x)
+    assert_normals_as_cycles(scene, plane, 0.004)
+
+
+@pytest.mark.parametrize("values", [
+    {"Strength": 1.0, "Distance": 0.2}, {"Strength": 0.5, "Distance": 0.4},
+    {"Strength": 1.0, "Distance": 0.2, "invert": True}], ids=str)
+@pytest.mark.parametrize("shape", ["plane", "sphere"])
+def test_bump_map_of_an_image(scene, shape, values):
+    """Bumps would be shallower or deeper than in Cycles, or dents."""
+    material = relief_glass(lambda tree: bump(tree, hills(tree), **values))
+    obj = turned_plane(material) if shape == "plane" else add_sphere(material, 64, 32)
+    assert_normals_as_cycles(scene, obj, 0.02, 0.97)
+
+
+@pytest.mark.parametrize("source", ["waves", "noise", "ramp of waves", "attribute", "ramp of an image"])
+@pytest.mark.parametrize("shape", ["plane", "sphere"])
+def test_bump_map_of_nodes(scene, shape, source):
+    """Bumps of procedural textures would be missing, or show the triangles that they are baked for."""
+    def heights(tree):
+        if source == "noise":
+            return add_node(tree, "ShaderNodeTexNoise", Scale=3.0, Detail=0.0).outputs["Fac"]
+        if source == "attribute":
+            return add_node(tree, "ShaderNodeAttribute", attribute_name="Slope").outputs["Fac"]
+        if source == "waves":
+            return waves(tree)
+        return link(tree, "ShaderNodeValToRGB", {0: waves(tree) if source == "ramp of waves" else hills(tree)})
+    material = relief_glass(lambda tree: bump(tree, heights(tree), Strength=1.0, Distance=0.1))
+    obj = turned_plane(material) if shape == "plane" else add_sphere(material, 64, 32)
+    attribute = obj.data.attributes.new("Slope", 'FLOAT', 'POINT')
+    attribute.data.foreach_set("value", np.random.default_rng(1).uniform(0, 0.4, len(obj.data.vertices)))
+    assert_normals_as_cycles(scene, obj, 0.02, 0.95)
+
+
+def test_bumps_on_a_normal_map(scene):
+    """Fine bumps on a coarse relief would replace it, or be left out."""
+    material = relief_glass(lambda tree: bump(tree, hills(tree), normal_map(tree), Strength=1.0, Distance=0.2))
+    assert_normals_as_cycles(scene, turned_plane(material), 0.02, 0.97)
