@@ -41,7 +41,6 @@ gl::Framebuffer make_framebuffer(const gl::Texture& texels, const gl::Texture& r
 enum Unit { roughness_unit, normals_unit, heights_unit };
 
 bool is_front(Faces faces) { return faces == Faces::NearestFront || faces == Faces::FarthestFront; }
-bool is_bent(Faces faces) { return faces == Faces::NearestFront; }
 bool is_nearest(Faces faces) { return faces == Faces::NearestFront || faces == Faces::NearestBack; }
 
 }  // namespace
@@ -116,7 +115,7 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
     glDepthFunc(is_nearest(faces) ? GL_LESS : GL_GREATER);
     glEnable(GL_CULL_FACE);
     glCullFace(is_front(faces) ? GL_BACK : GL_FRONT);
-    const bool with_relief = is_bent(faces) && !surfaces.reliefs.empty();
+    const bool with_relief = !surfaces.reliefs.empty();
     const gl::Program& program = this->program(buffer.roughness_data(), with_relief);
     program.use();
     program.set("roughness_texture", int{roughness_unit});
