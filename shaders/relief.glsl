@@ -7,6 +7,7 @@ in vec4 object_tangent;
 in vec2 normal_uv;
 in vec2 height_uv;
 
+uniform mat4 projection;
 uniform bool has_normal_map;
 uniform sampler2D normal_map;
 uniform mat3 normal_axes;     // of its colours, to camera space; in tangent space of the object
@@ -26,7 +27,14 @@ vec2 height_slope() {
                        texture(heights, height_uv + half_v).r - texture(heights, height_uv - half_v).r);
 }
 
-// n: interpolated, unit, camera space. position: the same.
+// Of a surface that the camera sees.
+vec3 mirroring_normal_at(vec3 n, vec3 position) {
+    vec3 o = projection[3][3] == 0.0 ? -normalize(position) : vec3(0.0, 0.0, 1.0);
+    vec3 g = unit_or(cross(dFdx(position), dFdy(position)), n);
+    return mirroring_normal(n, dot(g, o) < 0.0 ? -g : g, o);
+}
+
+// n: interpolated, unit, camera space. position: the same. Which ray meets a back face isn't known.
 vec3 bent_normal(vec3 n, vec3 position) {
     if (has_normal_map) {
         mat3 axes = tangent_space ? normal_axes * tangent_frame(object_normal, object_tangent) : normal_axes;
@@ -37,5 +45,5 @@ vec3 bent_normal(vec3 n, vec3 position) {
         n = bumped_normal(n, dFdx(position), dFdy(position), dot(rise, dFdx(height_uv)), dot(rise, dFdy(height_uv)),
                           bump_strength);
     }
-    return n;
+    return gl_FrontFacing && (has_normal_map || has_bump) ? mirroring_normal_at(n, position) : n;
 }

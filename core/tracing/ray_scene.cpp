@@ -384,12 +384,15 @@ glm::vec3 RayScene::Placed::bent_normal(const glm::vec3& n, const Relief& relief
     return bent;
 }
 
-Hit RayScene::hit(unsigned instance, float t, std::uint32_t triangle, float u, float v,
+// d: the ray's direction.
+Hit RayScene::hit(unsigned instance, const glm::vec3& d, float t, std::uint32_t triangle, float u, float v,
                   const glm::vec3& outward) const {
     const Placed& object = objects_[instance];
     Hit hit = object.hit(t, triangle, u, v, outward);
-    if (!reliefs_.empty() && !reliefs_[hit.material].empty())
-        hit.normal = object.bent_normal(hit.normal, reliefs_[hit.material], triangle, u, v);
+    if (reliefs_.empty() || reliefs_[hit.material].empty()) return hit;
+    const glm::vec3 bent = object.bent_normal(hit.normal, reliefs_[hit.material], triangle, u, v);
+    const float side = glm::dot(d, hit.geometric_normal) < 0.0F ? 1.0F : -1.0F;
+    hit.normal = side * model::mirroring_normal(side * bent, side * hit.geometric_normal, -d);
     return hit;
 }
 
@@ -402,7 +405,7 @@ std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3&
     intersect_one(top_.get(), query);
     const RTCHit& found = query.hit;
     if (found.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return hit(found.instID[0], query.ray.tfar, found.primID, found.u, found.v,
+    return hit(found.instID[0], d, query.ray.tfar, found.primID, found.u, found.v,
                {found.Ng_x, found.Ng_y, found.Ng_z});
 }
 
@@ -433,8 +436,8 @@ void RayScene::intersect_packets(std::span<const Ray> rays, std::span<Hit> hits)
         const auto& found = packet.lanes.hit;
         for (int i = 0; i < count; ++i) {
             const bool met = found.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-            hits[first + i] = met ? hit(found.instID[0][i], packet.lanes.ray.tfar[i], found.primID[i],
-                                        found.u[i], found.v[i],
+            hits[first + i] = met ? hit(found.instID[0][i], rays[first + i].d, packet.lanes.ray.tfar[i],
+                                        found.primID[i], found.u[i], found.v[i],
                                         {found.Ng_x[i], found.Ng_y[i], found.Ng_z[i]})
                                   : Hit::none();
         }

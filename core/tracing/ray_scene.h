@@ -96,7 +96,7 @@ class RayScene {
         int material_of(const MeshPart& part) const;
     };
 
-    Hit hit(unsigned instance, float t, std::uint32_t triangle, float u, float v,
+    Hit hit(unsigned instance, const glm::vec3& d, float t, std::uint32_t triangle, float u, float v,
             const glm::vec3& outward) const;
     bool update_trees(const Scene& scene);
     void build(Tree& tree) const;

@@ -31,3 +31,17 @@ SHARED vec3 bumped_normal(vec3 n, vec3 along_1, vec3 along_2, float rise_1, floa
     vec3 gradient = (rise_1 * across_1 + rise_2 * across_2) / area;
     return unit_or(n + strength * (unit_or(n - gradient, n) - n), n);
 }
+
+// n turned toward the triangle's normal g until the surface mirrors the viewer to outside of itself, as Cycles does it
+// with bent normals. g: on the viewer's side. o: unit direction to the viewer. In the plane of g and n, where n has the
+// angle phi from g and o the projection a (sin beta, cos beta), the mirror image's cosine to g is a cos(2 phi - beta).
+SHARED vec3 mirroring_normal(vec3 n, vec3 g, vec3 o) {
+    float o_g = dot(o, g);
+    float least = min(0.9f * o_g, 0.01f);
+    if (2.0f * dot(n, o) * dot(n, g) - o_g >= least) return n;
+    vec3 x = unit_or(n - dot(n, g) * g, n);
+    float o_x = dot(o, x);
+    float a = max(sqrt(o_x * o_x + o_g * o_g), 1e-12f);
+    float phi = 0.5f * (atan(o_x, o_g) + acos(clamp(least / a, -1.0f, 1.0f)));
+    return sin(phi) * x + cos(phi) * g;
+}
