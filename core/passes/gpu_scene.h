@@ -63,8 +63,8 @@ class TextureCache {
     std::unordered_map<std::shared_ptr<const Texture>, GpuTexture> textures_;
 };
 
-// Textures of normals and heights by identity; those that no material has any more are dropped. Without mipmaps:
-// the mean of bent normals would be a smooth surface's.
+// Textures of normals and heights by identity; those that no material has any more are dropped. Without
+// mipmaps: the mean of bent normals would be a smooth surface's.
 class ReliefCache {
   public:
     // Whether there were new textures.

@@ -142,7 +142,8 @@ std::shared_ptr<TextureOf<Value>> make_texture(const std::string& name, const Ar
                                                const std::string& extension,
                                                const std::string& interpolation) {
     constexpr py::ssize_t channels = sizeof(Value) / sizeof(float);
-    const bool is_right = channels == 1 ? values.ndim() == 2 : values.ndim() == 3 && values.shape(2) == channels;
+    const bool is_right =
+        channels == 1 ? values.ndim() == 2 : values.ndim() == 3 && values.shape(2) == channels;
     if (!is_right)
         throw Error("Texture '" + name + "' must have the shape (H, W" +
                     (channels == 1 ? "" : ", " + std::to_string(channels)) + ").");
@@ -234,8 +235,8 @@ void bind_scene(py::module_& module) {
         .def_property_readonly("name", &VectorTexture::name);
 
     py::class_<Texture, std::shared_ptr<Texture>>(module, "Texture")
-        .def(py::init(&make_texture<float>), py::arg("name"), py::arg("values"), py::arg("extension") = "REPEAT",
-             py::arg("interpolation") = "LINEAR")
+        .def(py::init(&make_texture<float>), py::arg("name"), py::arg("values"),
+             py::arg("extension") = "REPEAT", py::arg("interpolation") = "LINEAR")
         .def(
             "sample",
             [](const Texture& self, const Array<float>& uvs) {

@@ -376,10 +376,10 @@ glm::vec3 RayScene::Placed::bent_normal(const glm::vec3& n, const Relief& relief
     if (bump.height && places.has(bump)) {
         const glm::mat3 linear(matrix);
         const glm::vec2 rise = bump.distance * slope(*bump.height, point.mix(places.height_uvs));
-        bent = model::bumped_normal(
-            bent, linear * point.edge(mesh->positions(), 1), linear * point.edge(mesh->positions(), 2),
-            glm::dot(rise, point.edge(places.height_uvs, 1)),
-            glm::dot(rise, point.edge(places.height_uvs, 2)), bump.strength);
+        bent = model::bumped_normal(bent, linear * point.edge(mesh->positions(), 1),
+                                    linear * point.edge(mesh->positions(), 2),
+                                    glm::dot(rise, point.edge(places.height_uvs, 1)),
+                                    glm::dot(rise, point.edge(places.height_uvs, 2)), bump.strength);
     }
     return bent;
 }
@@ -436,10 +436,10 @@ void RayScene::intersect_packets(std::span<const Ray> rays, std::span<Hit> hits)
         const auto& found = packet.lanes.hit;
         for (int i = 0; i < count; ++i) {
             const bool met = found.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-            hits[first + i] = met ? hit(found.instID[0][i], rays[first + i].d, packet.lanes.ray.tfar[i],
-                                        found.primID[i], found.u[i], found.v[i],
-                                        {found.Ng_x[i], found.Ng_y[i], found.Ng_z[i]})
-                                  : Hit::none();
+            hits[first + i] =
+                met ? hit(found.instID[0][i], rays[first + i].d, packet.lanes.ray.tfar[i], found.primID[i],
+                          found.u[i], found.v[i], {found.Ng_x[i], found.Ng_y[i], found.Ng_z[i]})
+                    : Hit::none();
         }
     }
 }

@@ -6,8 +6,14 @@ import math
 import bpy
 import numpy as np
 import pytest
-from scenes import add_node, add_sphere, new_material, node_of, render
+from scenes import (
+    add_camera, add_node, add_sphere, empty_scene, frosted, new_material, node_of, render, set_map, world_map,
+)
+from test_against_cycles import relative_mse, render_cycles
 from textures import add_image, add_plane, link, new_image, set_uvs
+from verglas import sync
+from verglas import verglas_core as core
+from verglas.sync import meshes, tangents
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -189,3 +195,127 @@ def test_bumps_on_a_normal_map(scene):
     """Fine bumps on a coarse relief would replace it, or be left out."""
     material = relief_glass(lambda tree: bump(tree, hills(tree), normal_map(tree), Strength=1.0, Distance=0.2))
     assert_normals_as_cycles(scene, turned_plane(material), 0.02, 0.97)
+
+
+def synchronised(warn=None) -> core.Scene:
+    """As the viewport has it."""
+    bpy.context.view_layer.update()
+    return sync.scene_from(bpy.context.evaluated_depsgraph_get(), warn)
+
+
+@pytest.fixture
+def exported(monkeypatch) -> list[core.Mesh]:
+    """Meshes that the core has got."""
+    log = []
+    real = core.Mesh
+    monkeypatch.setattr(core, "Mesh", lambda *arguments, **coordinates:
+                        log.append(real(*arguments, **coordinates)) or log[-1])
+    return log
+
+
+def test_tangents_are_blenders(scene):
+    """Normal maps that were baked in Blender or elsewhere would show seams."""
+    sphere = add_sphere(new_material(), 24, 12)
+    mesh = sphere.data
+    loops = np.random.default_rng(3).uniform(-0.02, 0.02, (len(mesh.loops), 2)).astype(np.float32)
+    for loop, shift in zip(mesh.uv_layers[0].data, loops):  # UVs of their own at every corner
+        loop.uv = (loop.uv.x + shift[0], loop.uv.y + shift[1])
+    modifier = sphere.modifiers.new("Triangles", 'TRIANGULATE')
+    modifier.quad_method = 'FIXED'
+    evaluated = sphere.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    surface = meshes.Surface(evaluated, meshes.read(evaluated), 0, pytest.fail)
+    ours = tangents.of_surface(surface, "")
+    whole = evaluated.to_mesh()
+    whole.calc_tangents()
+    truth = np.array([(*loop.tangent, loop.bitangent_sign) for loop in whole.loops]).reshape(-1, 3, 4)
+    evaluated.to_mesh_clear()
+    assert (ours[..., 3] == truth[..., 3]).all()
+    assert ours[..., :3] == pytest.approx(truth[..., :3], abs=1e-3)
+
+
+def test_a_mesh_without_normal_map_has_no_tangents(exported):
+    """All meshes would take twice the memory and time to export."""
+    add_sphere(new_material())
+    add_sphere(relief_glass(lambda tree: bump(tree, waves(tree))))
+    add_sphere(relief_glass(lambda tree: normal_map(tree, space='OBJECT')))
+    synchronised(pytest.fail)
+    assert len(exported) == 3 and not any(mesh.has_tangents for mesh in exported)
+    add_sphere(relief_glass(normal_map), 16, 8)
+    synchronised(pytest.fail)
+    assert exported[-1].has_tangents
+
+
+@pytest.mark.parametrize("uv_map", ["", "Lost"])
+def test_missing_uv_map_is_named(scene, device, warned, uv_map):
+    """A normal map on a mesh without its UV map would be left out with no word of it, or end the render."""
+    sphere = add_sphere(relief_glass(lambda tree: normal_map(tree, uv_map=uv_map)))
+    sphere.data.uv_layers.remove(sphere.data.uv_layers[0])
+    material, = synchronised(warned.append).materials
+    assert material.normal_map.texture is None
+    assert len(warned) == 1 and f"Mesh '{sphere.data.name}'" in warned[0] and "material 'Ice'" in warned[0]
+    assert render(scene).mask.any()
+
+
+def test_painting_a_normal_map_reaches_the_next_frame_without_the_mesh(scene, device, exported):
+    """Each stroke would export the mesh again, or not be seen."""
+    image = new_image(np.broadcast_to(np.float32([0.5, 0.5, 1.0]), (8, 8, 3)))
+    add_sphere(relief_glass(lambda tree: normal_map(tree, image)))
+    first = synchronised().materials[0].normal_map.texture
+    pixels = np.ones((8, 8, 4), np.float32)
+    pixels[..., :3] = (0.8, 0.4, 0.9)
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    image.update_tag()
+    assert synchronised().materials[0].normal_map.texture is not first
+    assert len(exported) == 1
+    before = render(scene).normal
+    pixels[..., 0] = 0.2
+    image.pixels.foreach_set(pixels.ravel())
+    assert np.abs(render(scene).normal - before).max() > 0.1
+
+
+def test_tangents_follow_a_deformed_mesh(scene, exported):
+    """Normal maps of characters and cloth would stay behind."""
+    sphere = add_sphere(relief_glass(normal_map), 24, 12)
+    synchronised()
+    twist = sphere.modifiers.new("Twist", 'SIMPLE_DEFORM')
+    twist.deform_method, twist.angle, twist.deform_axis = 'TWIST', 1.5, 'Z'
+    assert_normals_as_cycles(scene, sphere, 0.02, 0.97)
+    assert len(exported) == 3  # before, for the viewport and for the frames
+
+
+def relief_scene(kind: str, shape: str) -> bpy.types.Scene:
+    """Refraction BSDF with a relief that shows, in a forest."""
+    scene = empty_scene()
+    add_camera(scene)
+    set_map(scene, world_map("forest"))
+    material = frosted(0.2)
+    tree = material.node_tree
+    source = normal_map(tree, normal_image(64)) if kind == "normal map" else bump(
+        tree, waves(tree, 1.0), Strength=1.0, Distance=0.1)
+    tree.links.new(source, node_of(tree, "ShaderNodeBsdfRefraction").inputs["Normal"])
+    if shape == "sphere":
+        add_sphere(material, 64, 32)
+    else:
+        bpy.ops.mesh.primitive_cube_add(size=2, scale=(1.2, 0.3, 1.0), rotation=(0.2, 0.0, 0.4))
+        bpy.context.object.data.materials.append(material)
+    scene.render.resolution_x = scene.render.resolution_y = 64
+    scene.verglas.tir = 'NONE'
+    scene.verglas.samples = 16
+    return scene
+
+
+@pytest.mark.parametrize("shape", ["sphere", "slab"])
+@pytest.mark.parametrize("kind", ["normal map", "bump map"])
+def test_picture_as_cycles(kind, shape):
+    """Glass with relief would not look as in Cycles."""
+    scene = relief_scene(kind, shape)
+    truth, _ = render_cycles(scene, 128)
+    for device, bound in (('CPU', 0.02), ('OPENGL', 0.05)):
+        scene.verglas.device = device
+        picture = render(scene)
+        error = relative_mse(picture.rgb, truth.rgb, picture.mask)
+        brightness = picture.rgb[picture.mask].mean() / truth.rgb[picture.mask].mean()
+        print(f"{kind}, {shape}, {device}: relative MSE {error:.4f}, brightness {brightness:.3f}")
+        assert error <= bound
+        assert brightness == pytest.approx(1.0, abs=0.03)
