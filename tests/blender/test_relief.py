@@ -63,9 +63,11 @@ def waves(tree, scale: float = 0.5) -> bpy.types.NodeSocket:
 
 
 def normals_of_cycles(scene: bpy.types.Scene, obj: bpy.types.Object) -> np.ndarray:
-    """(H, W, 3) what goes into the material's Normal at the pixels' centres, by Cycles."""
+    """(H, W, 3) what goes into the material's Normal at the pixels' centres, by Cycles. The last Bump node is
+    there to turn normals that face away, which from 4.0 on shaders do."""
     tree = obj.data.materials[0].node_tree
     source = node_of(tree, "ShaderNodeBsdfGlass").inputs["Normal"].links[0].from_socket
+    source = bump(tree, hills(tree), source, Strength=1.0, Distance=1e-6)
     half = add_node(tree, "ShaderNodeVectorMath", operation='MULTIPLY_ADD')
     half.inputs[1].default_value = half.inputs[2].default_value = (0.5, 0.5, 0.5)
     tree.links.new(source, half.inputs[0])
@@ -83,23 +85,25 @@ def normals_of_cycles(scene: bpy.types.Scene, obj: bpy.types.Object) -> np.ndarr
     return normals
 
 
-def assert_normals_as_cycles(scene, obj, tolerance: float, share: float = 1.0, least: float = 0.1) -> None:
-    """By both devices. share: of the pixels that are within the tolerance; Cycles takes bumps from differences
-    over a pixel, and turns normals that face away. least: how far normals are bent at least somewhere."""
-    scene.render.resolution_percentage = 600
+def assert_normals_as_cycles(scene, obj, tolerance: float, scale: int = 1) -> None:
+    """By both devices, but at outlines. scale: of the picture; Cycles takes slopes from differences over a
+    pixel. A few pixels may be beyond the tolerance: at borders of triangles and where the view is flat."""
+    scene.render.resolution_percentage = 100 * scale
     truth = normals_of_cycles(scene, obj)
     for device in ('OPENGL', 'CPU'):
         scene.verglas.device = device
         picture = render(scene)
-        inside = picture.mask & (np.abs(truth).max(-1) > 0.0)
+        inside = picture.mask.copy()
+        for axis, shift in ((0, 1), (0, -1), (1, 1), (1, -1)):
+            inside &= np.roll(picture.mask, shift, axis)
         error = np.linalg.norm(picture.normal - truth, axis=-1)[inside]
         print(f"{device}: error up to {error.max():.4f}, mean {error.mean():.5f}; "
               f"{np.mean(error <= tolerance):.3f} within {tolerance}")
         assert inside.sum() > 300
-        assert np.mean(error <= tolerance) >= share
+        assert np.mean(error <= tolerance) >= 0.99
     socket = node_of(obj.data.materials[0].node_tree, "ShaderNodeBsdfGlass").inputs["Normal"]
     socket.id_data.links.remove(socket.links[0])
-    assert np.linalg.norm(render(scene).normal - truth, axis=-1)[inside].max() > least
+    assert np.linalg.norm(render(scene).normal - truth, axis=-1)[inside].max() > 0.05
 
 
 def turned_plane(material, **options) -> bpy.types.Object:
@@ -130,7 +134,7 @@ def test_normal_map_on_shapes(scene, shape):
     elif shape == "mirrored coordinates":
         for loop in sphere.data.uv_layers[0].data:
             loop.uv.x = abs(2.0 * loop.uv.x - 1.0)
-    assert_normals_as_cycles(scene, sphere, 0.02, 0.97)
+    assert_normals_as_cycles(scene, sphere, 0.004)
 
 
 @pytest.mark.parametrize("options", [
@@ -144,7 +148,7 @@ def test_image_of_a_normal_map(scene, options):
         for name, value in options.items():
             setattr(node_of(tree, "ShaderNodeTexImage"), name, value)
         return output
-    assert_normals_as_cycles(scene, turned_plane(relief_glass(build), uv_range=(-0.3, 1.4)), 0.01, 0.95)
+    assert_normals_as_cycles(scene, turned_plane(relief_glass(build), uv_range=(-0.3, 1.4)), 0.004)
 
 
 def test_tangents_of_another_uv_map(scene):
@@ -169,7 +173,7 @@ def test_bump_map_of_an_image(scene, shape, values):
     """Bumps would be shallower or deeper than in Cycles, or dents."""
     material = relief_glass(lambda tree: bump(tree, hills(tree), **values))
     obj = turned_plane(material) if shape == "plane" else add_sphere(material, 64, 32)
-    assert_normals_as_cycles(scene, obj, 0.02, 0.97)
+    assert_normals_as_cycles(scene, obj, 0.02, scale=6)
 
 
 @pytest.mark.parametrize("source", ["waves", "noise", "ramp of waves", "attribute", "ramp of an image"])
@@ -183,18 +187,20 @@ def test_bump_map_of_nodes(scene, shape, source):
             return add_node(tree, "ShaderNodeAttribute", attribute_name="Slope").outputs["Fac"]
         if source == "waves":
             return waves(tree)
-        return link(tree, "ShaderNodeValToRGB", {0: waves(tree) if source == "ramp of waves" else hills(tree)})
+        ramped = waves(tree) if source == "ramp of waves" else hills(tree)
+        return link(tree, "ShaderNodeValToRGB", {0: ramped})
     material = relief_glass(lambda tree: bump(tree, heights(tree), Strength=1.0, Distance=0.1))
     obj = turned_plane(material) if shape == "plane" else add_sphere(material, 64, 32)
     attribute = obj.data.attributes.new("Slope", 'FLOAT', 'POINT')
     attribute.data.foreach_set("value", np.random.default_rng(1).uniform(0, 0.4, len(obj.data.vertices)))
-    assert_normals_as_cycles(scene, obj, 0.02, 0.95)
+    assert_normals_as_cycles(scene, obj, 0.02, scale=6)
 
 
 def test_bumps_on_a_normal_map(scene):
     """Fine bumps on a coarse relief would replace it, or be left out."""
-    material = relief_glass(lambda tree: bump(tree, hills(tree), normal_map(tree), Strength=1.0, Distance=0.2))
-    assert_normals_as_cycles(scene, turned_plane(material), 0.02, 0.97)
+    material = relief_glass(
+        lambda tree: bump(tree, hills(tree), normal_map(tree), Strength=1.0, Distance=0.2))
+    assert_normals_as_cycles(scene, turned_plane(material), 0.02, scale=6)
 
 
 def synchronised(warn=None) -> core.Scene:
@@ -280,7 +286,7 @@ def test_tangents_follow_a_deformed_mesh(scene, exported):
     synchronised()
     twist = sphere.modifiers.new("Twist", 'SIMPLE_DEFORM')
     twist.deform_method, twist.angle, twist.deform_axis = 'TWIST', 1.5, 'Z'
-    assert_normals_as_cycles(scene, sphere, 0.02, 0.97)
+    assert_normals_as_cycles(scene, sphere, 0.004)
     assert len(exported) == 3  # before, for the viewport and for the frames
 
 
@@ -291,8 +297,8 @@ def relief_scene(kind: str, shape: str) -> bpy.types.Scene:
     set_map(scene, world_map("forest"))
     material = frosted(0.2)
     tree = material.node_tree
-    source = normal_map(tree, normal_image(64)) if kind == "normal map" else bump(
-        tree, waves(tree, 1.0), Strength=1.0, Distance=0.1)
+    source = (normal_map(tree, normal_image(64), strength=0.5) if kind == "normal map" else
+              bump(tree, waves(tree, 0.4), Strength=1.0, Distance=0.1))
     tree.links.new(source, node_of(tree, "ShaderNodeBsdfRefraction").inputs["Normal"])
     if shape == "sphere":
         add_sphere(material, 64, 32)
@@ -311,7 +317,7 @@ def test_picture_as_cycles(kind, shape):
     """Glass with relief would not look as in Cycles."""
     scene = relief_scene(kind, shape)
     truth, _ = render_cycles(scene, 128)
-    for device, bound in (('CPU', 0.02), ('OPENGL', 0.05)):
+    for device, bound in (('CPU', 0.02), ('OPENGL', 0.03)):
         scene.verglas.device = device
         picture = render(scene)
         error = relative_mse(picture.rgb, truth.rgb, picture.mask)
