@@ -156,8 +156,9 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
     )
     bake_resolution: EnumProperty(
         name="Bake Resolution",
-        description="Pixels along each side of the texture into which roughness is baked where it comes from "
-                    "procedural textures, generated or object coordinates, or several UV maps",
+        description="Pixels along each side of the textures into which roughness, normals and bumps are "
+                    "baked where they come from procedural textures, generated or object coordinates, or "
+                    "several UV maps",
         items=tuple((str(2 ** k), f"{2 ** k} px", "") for k in range(8, 13)),
         default='1024',
     )

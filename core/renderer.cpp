@@ -119,6 +119,7 @@ class Renderer::Device {
     gl::Timers timers_;
     MeshCache meshes_;
     TextureCache textures_;
+    ReliefCache reliefs_;
     MaterialCache materials_;
     EnvironmentCache environment_;
     std::unique_ptr<Targets> targets_;
@@ -131,8 +132,10 @@ class Renderer::Device {
 
 void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
     prepare_seconds_["meshes"] = seconds_of([&] { return meshes_.update(scene); });
-    prepare_seconds_["textures"] =
-        seconds_of([&] { return textures_.update(scene.materials, settings.roughness_classes); });
+    prepare_seconds_["textures"] = seconds_of([&] {
+        const bool new_roughness = textures_.update(scene.materials, settings.roughness_classes);
+        return reliefs_.update(scene.materials) || new_roughness;
+    });
     prepare_seconds_["tables"] = seconds_of([&] { return materials_.update(scene.materials, textures_); });
     prepare_seconds_["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
     const RoughnessData of_front = textures_.empty() ? RoughnessData::None : RoughnessData::Values;
@@ -163,7 +166,7 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
                     settings.size};
     const ShadingInputs inputs{view,          scene,           settings,
                                *environment_, targets_->front, textures_.most_classes()};
-    const Surfaces surfaces{scene.materials, textures_};
+    const Surfaces surfaces{scene.materials, textures_, reliefs_};
     const bool with_pyramid = RefractionPass::needs_pyramid(settings);
     const bool with_layers = RefractionPass::needs_layers(settings);
     const bool with_classes = class_layers(targets_->back.roughness_data()) > 0;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Front or back faces into a geometry buffer. Where it holds roughness, ROUGHNESS_VALUES is defined, or CLASS_LAYERS
-// as the number of layers that hold four classes each.
+// as the number of layers that hold four classes each; RELIEF where textures bend the normals.
 #include "geometry_buffer.glsl"
 #include "lib/constants.glsl"
 #include "lib/microfacet.glsl"
 #include "lib/coverage.glsl"
+#ifdef RELIEF
+#include "relief.glsl"
+#endif
 
 in vec3 view_position;
 in vec3 view_normal;
@@ -44,8 +47,16 @@ vec4 class_shares(float value, int first) {
 }
 #endif
 
+vec3 surface_normal() {
+#ifdef RELIEF
+    return bent_normal(normalize(view_normal), view_position);
+#else
+    return view_normal;
+#endif
+}
+
 void main() {
-    texel = vec4(encode_normal(view_normal), -view_position.z, encode_index(group, material));
+    texel = vec4(encode_normal(surface_normal()), -view_position.z, encode_index(group, material));
 #ifdef ROUGHNESS_VALUES
     roughness = surface_roughness();
 #endif

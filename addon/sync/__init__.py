@@ -6,7 +6,7 @@ import bpy
 from .. import compat
 from .. import verglas_core as core
 from ..faults import Warn
-from . import changes, images, meshes, objects, roughness, world
+from . import changes, images, meshes, objects, painting, tangents, world
 
 
 def scene_from(depsgraph: bpy.types.Depsgraph, warn: Warn) -> core.Scene:
@@ -14,7 +14,7 @@ def scene_from(depsgraph: bpy.types.Depsgraph, warn: Warn) -> core.Scene:
     scene = core.Scene()
     world.set_environment(scene, compat.world_of(depsgraph), warn)
     objects.add_objects(scene, depsgraph, warn)
-    for kept in (images, meshes, roughness):
+    for kept in (images, meshes, painting, tangents):
         kept.sweep()
     return scene
 

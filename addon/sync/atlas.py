@@ -1,16 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lays the triangles of a mesh out on a square texture, each for itself: two share a square cell, one in its
-lower left, one in its upper right half, apart enough that bilinear look-ups don't mix them."""
+lower left, one in its upper right half, apart enough that bilinear look-ups don't mix them.
+
+margin: how far beyond the triangles look-ups may reach, in texels."""
 
 from typing import NamedTuple
 
 import numpy as np
-
-SMALLEST_CELL = 4
-"""Texels along a cell's side."""
-
-BORDER = 3
-"""Texels of a cell's side that a triangle's legs leave free."""
 
 
 class Texels(NamedTuple):
@@ -29,42 +25,54 @@ class Atlas(NamedTuple):
     texels: list[Texels]
 
 
-def fits(triangle_count: int, resolution: int) -> bool:
-    return triangle_count * SMALLEST_CELL ** 2 <= 2 * resolution ** 2
+def _border(margin: int) -> int:
+    """Texels of a cell's side that a triangle's legs leave free."""
+    return 3 + 3 * margin
 
 
-def lay_out(corners: np.ndarray, resolution: int) -> Atlas:
+def _smallest_cell(margin: int) -> int:
+    """Texels along its side, a power of two."""
+    return 1 << _border(margin).bit_length()
+
+
+def fits(triangle_count: int, resolution: int, margin: int = 0) -> bool:
+    return triangle_count * _smallest_cell(margin) ** 2 <= 2 * resolution ** 2
+
+
+def lay_out(corners: np.ndarray, resolution: int, margin: int = 0) -> Atlas:
     """corners: (T, 3, 3) positions; longer edges get more texels. resolution: texels along a side, a power of
     two; the triangles must fit."""
-    sides = _cell_sides(corners, resolution)
+    smallest, border = _smallest_cell(margin), _border(margin)
+    sides = _cell_sides(corners, resolution, margin)
     uvs = np.empty((len(corners), 3, 2), np.float32)
     texels = []
-    first = 0  # cells of SMALLEST_CELL are numbered along a Morton curve: squares of powers of two stay whole
+    first = 0  # the smallest cells are numbered along a Morton curve: squares of powers of two stay whole
     for side in sorted(set(sides.tolist()), reverse=True):
         members = np.flatnonzero(sides == side)
         cell, is_upper = np.arange(len(members)) // 2, np.arange(len(members)) % 2 == 1
-        number = first + cell * (side // SMALLEST_CELL) ** 2
+        number = first + cell * (side // smallest) ** 2
         place = [_every_second_bit(number), _every_second_bit(number >> 1)]
-        origin = SMALLEST_CELL * np.stack(place, axis=-1)
-        leg = side - BORDER
-        legs = np.array([(0, 0), (leg, 0), (0, leg)]) + 0.5
+        origin = smallest * np.stack(place, axis=-1)
+        leg = side - border
+        legs = np.array([(0, 0), (leg, 0), (0, leg)]) + 0.5 + margin
         places = np.where(is_upper[:, None, None], side - legs, legs)
         uvs[members] = (origin[:, None] + places) / resolution
-        texels += [_texels(members[is_upper == half], origin[is_upper == half], side, half, resolution)
-                   for half in (False, True)]
-        first = number[-1] + (side // SMALLEST_CELL) ** 2
+        texels += [_texels(members[is_upper == half], origin[is_upper == half], side, half, resolution,
+                           margin) for half in (False, True)]
+        first = number[-1] + (side // smallest) ** 2
     return Atlas(uvs, texels)
 
 
-def _cell_sides(corners: np.ndarray, resolution: int) -> np.ndarray:
+def _cell_sides(corners: np.ndarray, resolution: int, margin: int) -> np.ndarray:
     """(T,) powers of two, as large as the texture allows."""
     edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
     legs = edges.max(axis=1) / np.sqrt(2.0)
     lower, upper = 0.0, resolution / max(float(legs.max(initial=0.0)), 1e-12)
-    sides = np.full(len(legs), SMALLEST_CELL)
+    smallest = _smallest_cell(margin)
+    sides = np.full(len(legs), smallest)
     for _ in range(24):
         density = 0.5 * (lower + upper)
-        exponents = np.ceil(np.log2(np.maximum(density * legs + BORDER, SMALLEST_CELL)))
+        exponents = np.ceil(np.log2(np.maximum(density * legs + _border(margin), smallest)))
         tried = 2 ** exponents.astype(np.int64)
         if _area(tried) <= resolution ** 2:
             lower, sides = density, tried
@@ -78,13 +86,14 @@ def _area(sides: np.ndarray) -> int:
     return int(((counts + 1) // 2 * kinds ** 2).sum())
 
 
-def _texels(members: np.ndarray, origin: np.ndarray, side: int, is_upper: bool, resolution: int) -> Texels:
+def _texels(members: np.ndarray, origin: np.ndarray, side: int, is_upper: bool, resolution: int,
+            margin: int) -> Texels:
     """Those of one half of each member's cell."""
     j, i = np.mgrid[0:side, 0:side]
     is_ours = i + j <= side - 2
     i, j = i[is_ours], j[is_ours]
-    leg = side - BORDER
-    weights = np.stack([1.0 - (i + j) / leg, i / leg, j / leg], axis=-1).astype(np.float32)
+    x, y = (i - margin) / (side - _border(margin)), (j - margin) / (side - _border(margin))
+    weights = np.stack([1.0 - x - y, x, y], axis=-1).astype(np.float32)
     if is_upper:
         i, j = side - 1 - i, side - 1 - j
     index = (origin[:, 1:] + j) * resolution + origin[:, :1] + i

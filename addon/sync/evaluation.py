@@ -17,15 +17,17 @@ TABLE_SIZE = 256
 """Entries of Cycles' tables for colour ramps and curves."""
 
 
-def expression_of(found: nodes.Input, check_images: bool = False) -> Expression:
-    """The number that an input takes. check_images: as images.picture's. Raises Unsupported."""
+def expression_of(found: nodes.Input, check_images: bool = False, kind: str = 'VALUE') -> Expression:
+    """What an input takes, as a number or, kind 'RGBA', as a colour. check_images: as images.picture's.
+    Raises Unsupported."""
     compiler = Compiler(_NODES, check_images)
-    evaluate = compiler.value(found, 'VALUE')
+    evaluate = compiler.value(found, kind)
     output = found.source().output
-    return Expression(evaluate, tuple(compiler.keys), frozenset(compiler.leaves),
+    return Expression(evaluate, (kind, *compiler.keys), frozenset(compiler.leaves),
                       frozenset(compiler.placements), tuple(compiler.placed),
                       output is not None and output.node.type == 'TEX_IMAGE'
-                      and not any(image.picture.is_srgb for image in compiler.placed))
+                      and not any(image.picture.is_srgb for image in compiler.placed),
+                      (3,) if kind == 'RGBA' else ())
 
 
 # Inputs and coordinates

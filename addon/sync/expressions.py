@@ -107,7 +107,7 @@ NodeFunction = Callable[["Reader", bpy.types.NodeSocket, str], Function]
 
 
 class Expression(NamedTuple):
-    """A number that depends on where it is."""
+    """A number or a colour that depends on where it is."""
     evaluate: Function
     key: Hashable
     """equal for equal expressions of equal images"""
@@ -118,10 +118,17 @@ class Expression(NamedTuple):
     """images that lie on UV maps by the placements"""
     is_plain: bool
     """whether it is an image's own value, with nothing in between but what is linear"""
+    shape: tuple[int, ...] = ()
+    """of a value: (3,) of a colour"""
 
     @property
     def is_constant(self) -> bool:
         return not (self.leaves or self.placed)
+
+    def at(self, points: Points, count: int) -> np.ndarray:
+        """(count, *shape) finite values."""
+        values = np.nan_to_num(self.evaluate(points), posinf=1.0, neginf=0.0)
+        return np.broadcast_to(values, (count, *self.shape))
 
     def then(self, function: Callable[[np.ndarray], np.ndarray], key: Hashable) -> "Expression":
         """A function, which the key tells apart from others, of this expression."""

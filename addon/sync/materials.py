@@ -9,6 +9,7 @@ from .. import verglas_core as core
 from ..faults import Warn
 from . import expressions, nodes
 from .evaluation import expression_of
+from .relief import Relief, relief_of
 
 NDF_OF_DISTRIBUTION = {
     'BECKMANN': 'BECKMANN',
@@ -23,10 +24,12 @@ IOR_RANGE = (1.0 / 3.0, 3.0)
 
 
 class Glass(core.Material):
-    """The core's material, whose roughness may yet vary over the surface."""
+    """The core's material, whose roughness and normals may yet vary over the surface."""
 
     roughness_map: expressions.Expression | None = None
     """in place of roughness where it varies"""
+    relief = Relief()
+    """what bends the normals"""
     bake_resolution = 1024
     """texels along the side of a texture that stands for it, where one has to be baked"""
 
@@ -134,8 +137,7 @@ def _microfacet(name: str, node: nodes.Node, check_images: bool) -> Glass:
     else:
         _set_roughness(glass, node, check_images)
     glass.ior = _ior(node)
-    if node.is_linked("Normal"):
-        node.warn("has a linked Normal, which isn't supported yet; the mesh's own normals are used")
+    _set_relief(glass, node, check_images)
     return glass
 
 
@@ -152,6 +154,15 @@ def _set_roughness(glass: Glass, node: nodes.Node, check_images: bool) -> None:
         else:
             glass.roughness_map = expression
     glass.roughness = float(np.clip(roughness, 0.0, 1.0))
+
+
+def _set_relief(glass: Glass, node: nodes.Node, check_images: bool) -> None:
+    glass.relief = relief_of(node, check_images)
+    normals, heights = glass.relief
+    if normals is not None:
+        glass.normal_map.space, glass.normal_map.strength = normals.space, normals.strength
+    if heights is not None:
+        glass.bump_map.strength, glass.bump_map.distance = heights.strength, heights.distance
 
 
 def _ior(node: nodes.Node) -> float:

@@ -81,37 +81,54 @@ def read(evaluated: bpy.types.Object) -> MeshArrays:
         evaluated.to_mesh_clear()
 
 
+TEXTURE_COORDINATES = {"uvs": 2, "normal_uvs": 2, "tangents": 4, "height_uvs": 2}
+"""Arguments of core.Mesh that depend on textures, and how many numbers a vertex has of them."""
+
+
 def to_core(name: str, arrays: MeshArrays, slots: frozenset[int],
-            uvs: dict[int, np.ndarray] | None = None) -> core.Mesh:
-    """Only the triangles of these material slots. uvs: (T, 3, 2) of the slot's triangles' corners, where it
-    has a texture. The same mesh as of late, where nothing has changed."""
+            coordinates: dict[str, dict[int, np.ndarray]]) -> core.Mesh:
+    """Only the triangles of these material slots. coordinates: by their names in TEXTURE_COORDINATES,
+    (T, 3, 2 or 4) of a slot's triangles' corners where it needs them. The same mesh as of late, where
+    nothing has changed."""
     kept = np.isin(arrays.slots, list(slots))
     positions, normals, triangles = arrays.positions, arrays.normals, arrays.triangles[kept]
     slot_of_triangle = arrays.slots[kept]
-    uv_of_vertex = None
-    if uvs:
-        uv_of_corner = np.zeros((len(triangles), 3, 2), np.float32)
-        for slot, values in uvs.items():
-            uv_of_corner[slot_of_triangle == slot] = values
-        source, triangles, uv_of_vertex = _split_at_seams(triangles, uv_of_corner, len(positions))
+    of_vertices = {}
+    if coordinates:
+        of_corners = np.concatenate([_of_all(slot_of_triangle, by_slot, TEXTURE_COORDINATES[key])
+                                     for key, by_slot in coordinates.items()], axis=-1)
+        source, triangles, values = _split_at_seams(triangles, of_corners, len(positions))
         positions, normals = positions[source], normals[source]
-    content = (positions, normals, triangles, slot_of_triangle, uv_of_vertex)
-    sums = (0 if each is None else (len(each), zlib.crc32(np.ascontiguousarray(each))) for each in content)
-    key = (name, *sums)
-    return _meshes.get(key, lambda: core.Mesh(name, *content))
+        ends = np.cumsum([TEXTURE_COORDINATES[key] for key in coordinates])
+        of_vertices = dict(zip(coordinates, np.split(values, ends[:-1], axis=1)))
+    content = (positions, normals, triangles, slot_of_triangle)
+    sums = tuple((len(each), zlib.crc32(np.ascontiguousarray(each)))
+                 for each in (*content, *of_vertices.values()))
+    key = (name, *of_vertices, *sums)
+    return _meshes.get(key, lambda: core.Mesh(name, *content, **of_vertices))
 
 
-def _split_at_seams(triangles: np.ndarray, uv_of_corner: np.ndarray,
+def _of_all(slot_of_triangle: np.ndarray, by_slot: dict[int, np.ndarray], width: int) -> np.ndarray:
+    """(T, 3, width) of all triangles; 0 where a slot has none."""
+    values = np.zeros((len(slot_of_triangle), 3, width), np.float32)
+    for slot, of_slot in by_slot.items():
+        values[slot_of_triangle == slot] = of_slot
+    return values
+
+
+def _split_at_seams(triangles: np.ndarray, of_corners: np.ndarray,
                     vertex_count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """One UV for each vertex: corners that differ from the others of theirs get a new one. Returns the vertex
-    that each is a copy of (V,), triangles (T, 3) and UVs (V, 2)."""
-    uvs = np.zeros((vertex_count, 2), np.float32)
-    uvs[triangles.reshape(-1)] = uv_of_corner.reshape(-1, 2)
-    differs = (uvs[triangles] != uv_of_corner).any(axis=2)
+    """One value (K,) for each vertex: corners that differ from the others of theirs get a new one.
+    of_corners: (T, 3, K). Returns the vertex that each is a copy of (V,), triangles (T, 3) and values
+    (V, K)."""
+    width = of_corners.shape[2]
+    values = np.zeros((vertex_count, width), np.float32)
+    values[triangles.reshape(-1)] = of_corners.reshape(-1, width)
+    differs = (values[triangles] != of_corners).any(axis=2)
     source = np.concatenate([np.arange(vertex_count), triangles[differs]])
     split = triangles.copy()
     split[differs] = vertex_count + np.arange(np.count_nonzero(differs))
-    return source, split, np.concatenate([uvs, uv_of_corner[differs]])
+    return source, split, np.concatenate([values, of_corners[differs]])
 
 
 class Surface:
@@ -124,6 +141,18 @@ class Surface:
         self._kept = arrays.slots == slot
         self._warn = warn
         self._known: dict[tuple[str, str], np.ndarray] = {}
+
+    @property
+    def triangle_count(self) -> int:
+        return int(np.count_nonzero(self._kept))
+
+    def has_uv_map(self, name: str) -> bool:
+        """name: '' for the mesh's own choice."""
+        mesh = self._evaluated.to_mesh()
+        try:
+            return _uv_layer(mesh, name) is not None
+        finally:
+            self._evaluated.to_mesh_clear()
 
     def corner_values(self, leaf: tuple[str, str]) -> np.ndarray:
         """(T, 3, 3) or (T, 3) float32 of the triangles' corners, of an expression's leaf. 0, and a warning,
@@ -169,8 +198,7 @@ class Surface:
 
     def _uvs(self, mesh: bpy.types.Mesh, name: str) -> np.ndarray:
         """(C, 3), the third 0"""
-        layers = mesh.uv_layers
-        layer = layers.get(name) if name else next((each for each in layers if each.active_render), None)
+        layer = _uv_layer(mesh, name)
         uvs = np.zeros((len(mesh.loops), 3), np.float32)
         if layer is None or len(mesh.loops) == 0:
             self._warn(f"Mesh '{self.name}' has no UV map{f' {name!r}' if name else ''}; its textures have "
@@ -212,6 +240,12 @@ ATTRIBUTE_FIELDS = {
     'BYTE_COLOR': ("color", 4, np.float32),
 }
 """Property of an element, its width and type, by an attribute's data type; colours come scene-linear."""
+
+
+def _uv_layer(mesh: bpy.types.Mesh, name: str) -> bpy.types.MeshUVLoopLayer | None:
+    """name: '' for the one that the mesh renders with."""
+    layers = mesh.uv_layers
+    return layers.get(name) if name else next((each for each in layers if each.active_render), None)
 
 
 def _vertices(mesh: bpy.types.Mesh) -> np.ndarray:

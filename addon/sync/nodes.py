@@ -80,10 +80,6 @@ class Node:
         socket = next((self.node.inputs[name] for name in names if name in self.node.inputs), None)
         return None if socket is None else Input(socket, self.groups)
 
-    def is_linked(self, name: str) -> bool:
-        found = self.input(name)
-        return found is not None and found.source().output is not None
-
     def scalar(self, *names: str, default: float = 0.0) -> float:
         """The value of the first input with one of these names; default where there is none."""
         found = self.input(*names)

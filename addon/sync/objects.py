@@ -2,13 +2,14 @@
 """Everything in an evaluated scene that is drawn: objects and their instances."""
 
 from collections.abc import Hashable
+from typing import NamedTuple
 
 import bpy
 import numpy as np
 
 from .. import verglas_core as core
 from ..faults import Warn
-from . import materials, meshes, roughness
+from . import materials, meshes, painting, tangents
 
 UNSUPPORTED = {
     'CURVES': "Hair curves",
@@ -29,6 +30,26 @@ def add_objects(scene: core.Scene, depsgraph: bpy.types.Depsgraph, warn: Warn) -
         sync.add(instance)
 
 
+class _Painted(NamedTuple):
+    """What varies of a material, on the triangles of a slot."""
+    roughness: painting.Painting | None
+    normals: painting.Painting | None
+    tangents: np.ndarray | None
+    """(T, 3, 4), where the normals are in tangent space"""
+    heights: painting.Painting | None
+
+    @property
+    def coordinates(self) -> dict[str, np.ndarray]:
+        """By their names in meshes.TEXTURE_COORDINATES."""
+        paintings = {"uvs": self.roughness, "normal_uvs": self.normals, "height_uvs": self.heights}
+        found = {name: painted.uvs for name, painted in paintings.items() if painted is not None}
+        return found if self.tangents is None else {**found, "tangents": self.tangents}
+
+    @property
+    def textures(self) -> tuple[core.Texture | core.VectorTexture | None, ...]:
+        return tuple(painted and painted.texture for painted in (self.roughness, self.normals, self.heights))
+
+
 class _Sync:
     """One pass over the instances, with what they share."""
 
@@ -43,10 +64,10 @@ class _Sync:
         """by the mesh's address, its slots that are glass, and the materials of slots with textures"""
         self.glasses: dict[str, materials.Glass | None] = {}
         """by the material's name with library; None where it isn't glass"""
-        self.paintings: dict[tuple[int, int, str], roughness.Painting] = {}
+        self.painted: dict[tuple[int, int, str], _Painted] = {}
         """by the mesh's address, slot and material"""
-        self.material_indices: dict[tuple[str, core.Texture | None], int] = {}
-        """by the material and its texture of roughness"""
+        self.material_indices: dict[Hashable, int] = {}
+        """by the material and its textures"""
 
     def add(self, instance: bpy.types.DepsgraphObjectInstance) -> None:
         obj = instance.object
@@ -65,12 +86,11 @@ class _Sync:
             return
         keys_of_slots = self._materials(obj, arrays.used_slots)
         if keys_of_slots:
-            paintings = {slot: self._painting(obj, arrays, slot, key) for slot, key in keys_of_slots.items()
-                         if self.glasses[key].roughness_map is not None}
-            indices = {slot: self._index(key, paintings.get(slot)) for slot, key in keys_of_slots.items()}
+            painted = {slot: self._paint(obj, arrays, slot, key) for slot, key in keys_of_slots.items()}
+            indices = {slot: self._index(key, painted[slot]) for slot, key in keys_of_slots.items()}
             # Triangles of the slots that aren't glass are not in the mesh: any index does for those
             table = [indices.get(slot, 0) for slot in range(max(indices) + 1)]
-            mesh = self._core_mesh(obj, arrays, keys_of_slots, paintings)
+            mesh = self._core_mesh(obj, arrays, keys_of_slots, painted)
             self.scene.add_object(obj.name, mesh, matrix, table)
 
     def _has_volume(self, obj: bpy.types.Object, matrix: np.ndarray) -> bool:
@@ -87,33 +107,54 @@ class _Sync:
         return self.arrays[key]
 
     def _core_mesh(self, obj: bpy.types.Object, arrays: meshes.MeshArrays, keys_of_slots: dict[int, str],
-                   paintings: dict[int, roughness.Painting]) -> core.Mesh:
-        painted = frozenset((slot, keys_of_slots[slot]) for slot in paintings)
-        key = (obj.data.as_pointer(), frozenset(keys_of_slots), painted)
+                   painted: dict[int, _Painted]) -> core.Mesh:
+        by_slot = {slot: each.coordinates for slot, each in painted.items()}
+        textured = frozenset((slot, keys_of_slots[slot]) for slot, found in by_slot.items() if found)
+        key = (obj.data.as_pointer(), frozenset(keys_of_slots), textured)
         if key not in self.core_meshes:
-            uvs = {slot: painting.uvs for slot, painting in paintings.items()}
-            mesh = meshes.to_core(obj.data.name, arrays, frozenset(keys_of_slots), uvs)
+            by_name = {name: {slot: found[name] for slot, found in by_slot.items() if name in found}
+                       for name in meshes.TEXTURE_COORDINATES}
+            mesh = meshes.to_core(obj.data.name, arrays, frozenset(keys_of_slots),
+                                  {name: found for name, found in by_name.items() if found})
             self.core_meshes[key] = mesh
             for sentence in mesh.warnings:
                 self.warn(sentence)
         return self.core_meshes[key]
 
-    def _painting(self, obj: bpy.types.Object, arrays: meshes.MeshArrays, slot: int,
-                  material: str) -> roughness.Painting:
+    def _paint(self, obj: bpy.types.Object, arrays: meshes.MeshArrays, slot: int, material: str) -> _Painted:
         key = (obj.data.as_pointer(), slot, material)
-        if key not in self.paintings:
+        if key not in self.painted:
             glass = self.glasses[material]
             surface = meshes.Surface(obj, arrays, slot, self.warn)
-            self.paintings[key] = roughness.paint(glass.roughness_map, surface, glass.bake_resolution)
-        return self.paintings[key]
+            normals, of_tangents = self._normals(surface, glass)
+            heights = glass.relief.heights
+            self.painted[key] = _Painted(
+                glass.roughness_map and painting.paint(glass.roughness_map, surface, glass.bake_resolution),
+                normals, of_tangents,
+                heights and painting.paint(heights.heights, surface, glass.bake_resolution, has_slopes=True))
+        return self.painted[key]
 
-    def _index(self, material: str, painting: roughness.Painting | None) -> int:
-        """The core's index of a material, with the painting's texture of roughness."""
-        texture = painting.texture if painting else None
-        key = (material, texture)
+    def _normals(self, surface: meshes.Surface,
+                 glass: materials.Glass) -> tuple[painting.Painting | None, np.ndarray | None]:
+        """Of a normal map: its colours, and its tangents, which only a map in tangent space has."""
+        normals = glass.relief.normals
+        if normals is None:
+            return None, None
+        name, of_tangents = normals.uv_map, None
+        if normals.space == 'TANGENT':
+            if not surface.has_uv_map(name):
+                self.warn(f"Mesh '{surface.name}' has no UV map{f' {name!r}' if name else ''} for the normal "
+                          f"map of material '{glass.name}'; it keeps its own normals.")
+                return None, None
+            of_tangents = tangents.of_surface(surface, name)
+        return painting.paint(normals.colors, surface, glass.bake_resolution), of_tangents
+
+    def _index(self, material: str, painted: _Painted) -> int:
+        """The core's index of a material, with the textures of what varies."""
+        key = (material, painted.textures)
         if key not in self.material_indices:
             glass = self.glasses[material]
-            glass.roughness_texture = texture
+            glass.roughness_texture, glass.normal_map.texture, glass.bump_map.height = painted.textures
             self.material_indices[key] = self.scene.add_material(glass)
         return self.material_indices[key]
 

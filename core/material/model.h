@@ -18,6 +18,7 @@ namespace verglas::model {
 #include "shaders/lib/specular.glsl"
 #include "shaders/lib/depth_mip.glsl"
 #include "shaders/lib/environment.glsl"
+#include "shaders/lib/relief.glsl"
 // clang-format on
 
 }  // namespace verglas::model

@@ -36,9 +36,8 @@ gl::Framebuffer make_framebuffer(const gl::Texture& texels, const gl::Texture& r
     return {};
 }
 
-gl::Program make_program(const std::vector<std::string>& defines) {
-    return {"geometry.vert.glsl", "geometry.frag.glsl", defines};
-}
+// Texture units.
+enum Unit { roughness_unit, normals_unit, heights_unit };
 
 // NEAREST_BACKS of shaders/geometry_buffer.glsl.
 constexpr int nearest_backs = 4095;
@@ -69,9 +68,17 @@ GeometryBuffer::GeometryBuffer(glm::ivec2 size, RoughnessData roughness_data,
       depth_(GL_DEPTH_COMPONENT32F, size.x, size.y, GL_NEAREST),
       framebuffer_(make_framebuffer(texels_, roughness_, roughness_data, class_pyramid, number, depth_)) {}
 
-GeometryPass::GeometryPass()
-    : programs_{make_program({}), make_program({"ROUGHNESS_VALUES"}), make_program({"CLASS_LAYERS 1"}),
-                make_program({"CLASS_LAYERS 2"})} {}
+const gl::Program& GeometryPass::program(RoughnessData data, bool relief) {
+    const std::pair key(data, relief);
+    const auto found = programs_.find(key);
+    if (found != programs_.end()) return found->second;
+    std::vector<std::string> defines;
+    if (data == RoughnessData::Values) defines.emplace_back("ROUGHNESS_VALUES");
+    if (class_layers(data) > 0) defines.push_back("CLASS_LAYERS " + std::to_string(class_layers(data)));
+    if (relief) defines.emplace_back("RELIEF");
+    return programs_.emplace(key, gl::Program("geometry.vert.glsl", "geometry.frag.glsl", defines))
+        .first->second;
+}
 
 void GeometryPass::clear(const GeometryBuffer& buffer, Faces faces, const Rect& rect) const {
     scissor(rect);
@@ -89,15 +96,32 @@ void GeometryPass::set_roughness(const gl::Program& program, const Material& mat
                                  const TextureCache& textures) {
     const auto& texture = material.roughness_texture;
     program.set("textured", texture ? 1 : 0);
-    if (texture) glBindTextureUnit(0, textures[texture].texture.id());
+    if (texture) glBindTextureUnit(roughness_unit, textures[texture].texture.id());
     program.set("roughness_value", mean_roughness(material, textures));
     const RoughnessClasses classes = roughness_classes(material, textures);
     glProgramUniform1fv(program.id(), glGetUniformLocation(program.id(), "class_roughness"),
                         static_cast<GLsizei>(classes.size()), classes.data());
 }
 
+// normal_axes depends on the object, too.
+void GeometryPass::set_relief(const gl::Program& program, const Relief& relief, const Mesh& mesh,
+                              const ReliefCache& reliefs) {
+    const NormalMap& map = relief.normals;
+    const bool has_normal_map = map.texture && mesh.relief().has(map);
+    program.set("has_normal_map", has_normal_map ? 1 : 0);
+    if (has_normal_map) glBindTextureUnit(normals_unit, reliefs[map.texture].id());
+    program.set("tangent_space", map.space == NormalSpace::Tangent ? 1 : 0);
+    program.set("normal_strength", map.strength);
+    const BumpMap& bump = relief.bump;
+    const bool has_bump = bump.height && mesh.relief().has(bump);
+    program.set("has_bump", has_bump ? 1 : 0);
+    if (has_bump) glBindTextureUnit(heights_unit, reliefs[bump.height].id());
+    program.set("bump_strength", bump.strength);
+    program.set("bump_distance", bump.distance);
+}
+
 void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group,
-                        int number, const Surfaces& surfaces) const {
+                        int number, const Surfaces& surfaces) {
     glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer().id());
     glViewport(0, 0, view.size.x, view.size.y);
     scissor(group.rect);
@@ -107,9 +131,12 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
     glDepthFunc(is_nearest(faces) ? GL_LESS : GL_GREATER);
     glEnable(GL_CULL_FACE);
     glCullFace(is_front(faces) ? GL_BACK : GL_FRONT);
-    const gl::Program& program = programs_[static_cast<std::size_t>(buffer.roughness_data())];
+    const bool with_relief = !surfaces.reliefs.empty();
+    const gl::Program& program = this->program(buffer.roughness_data(), with_relief);
     program.use();
-    program.set("roughness_texture", 0);
+    program.set("roughness_texture", int{roughness_unit});
+    program.set("normal_map", int{normals_unit});
+    program.set("heights", int{heights_unit});
     program.set("projection", view.projection);
     program.set("group", group_of(faces, number));
     for (const ViewObject& item : group.objects) {
@@ -121,7 +148,8 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
         // Cofactors: the inverse transpose up to scale, for flattened objects too.
         const glm::mat3 cofactors(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                                   glm::cross(linear[0], linear[1]));
-        program.set("normal_to_view", handedness < 0.0F ? -cofactors : cofactors);
+        const glm::mat3 normal_to_view = handedness < 0.0F ? -cofactors : cofactors;
+        program.set("normal_to_view", normal_to_view);
         glBindVertexArray(item.mesh->array.id());
         const std::vector<int>& materials = item.object->materials;
         for (const MeshPart& part : item.object->mesh->parts()) {
@@ -129,6 +157,12 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
             program.set("material", materials[slot]);
             if (buffer.roughness_data() != RoughnessData::None)
                 set_roughness(program, surfaces.materials[materials[slot]], surfaces.textures);
+            if (with_relief) {
+                const Relief& relief = surfaces.materials[materials[slot]].relief;
+                set_relief(program, relief, *item.object->mesh, surfaces.reliefs);
+                const bool is_world = relief.normals.space == NormalSpace::World;
+                program.set("normal_axes", is_world ? glm::mat3(view.view) : normal_to_view);
+            }
             // OpenGL takes the offset into the buffer as a pointer.
             const std::uintptr_t offset = std::uintptr_t{part.first} * sizeof(std::uint32_t);
             glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(part.count), GL_UNSIGNED_INT,

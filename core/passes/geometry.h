@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "core/gl/objects.h"
@@ -50,24 +51,28 @@ enum class Faces { NearestFront, FarthestFront, NearestBack, FarthestBack };
 struct Surfaces {
     const std::vector<Material>& materials;
     const TextureCache& textures;
+    const ReliefCache& reliefs;
 };
 
 // Rasterises objects into geometry buffers (de Rousiers et al. 2012, first pass, has nearest front and
 // farthest back faces).
 class GeometryPass {
   public:
-    GeometryPass();
     // Empties a part of a buffer.
     void clear(const GeometryBuffer& buffer, Faces faces, const Rect& rect) const;
     // Adds the objects of a group. Front faces carry the group's number beside that of their material.
     void draw(const GeometryBuffer& buffer, Faces faces, const View& view, const ViewGroup& group, int number,
-              const Surfaces& surfaces) const;
+              const Surfaces& surfaces);
 
   private:
+    const gl::Program& program(RoughnessData data, bool relief);
     static void set_roughness(const gl::Program& program, const Material& material,
                               const TextureCache& textures);
 
-    std::array<gl::Program, 4> programs_;  // by RoughnessData
+    static void set_relief(const gl::Program& program, const Relief& relief, const Mesh& mesh,
+                           const ReliefCache& reliefs);
+
+    std::map<std::pair<RoughnessData, bool>, gl::Program> programs_;  // by data and whether there is relief
 };
 
 }  // namespace verglas

@@ -15,6 +15,18 @@
 namespace verglas {
 namespace {
 
+// One value a vertex, from a buffer of its own; none where there are no values.
+template <typename Value>
+gl::Buffer add_attribute(GLuint array, GLuint attribute, const std::vector<Value>& values) {
+    if (values.empty()) return {};
+    gl::Buffer buffer = gl::make_buffer(values.size() * sizeof(Value), values.data());
+    glVertexArrayVertexBuffer(array, attribute, buffer.id(), 0, sizeof(Value));
+    glEnableVertexArrayAttrib(array, attribute);
+    glVertexArrayAttribFormat(array, attribute, Value::length(), GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(array, attribute, attribute);
+    return buffer;
+}
+
 GpuMesh upload(const Mesh& mesh) {
     struct Vertex {
         glm::vec3 position;
@@ -37,13 +49,10 @@ GpuMesh upload(const Mesh& mesh) {
         glVertexArrayAttribFormat(array, attribute, 3, GL_FLOAT, GL_FALSE, attribute * sizeof(glm::vec3));
         glVertexArrayAttribBinding(array, attribute, 0);
     }
-    if (!mesh.uvs().empty()) {
-        result.uvs = gl::make_buffer(mesh.uvs().size() * sizeof(glm::vec2), mesh.uvs().data());
-        glVertexArrayVertexBuffer(array, 1, result.uvs.id(), 0, sizeof(glm::vec2));
-        glEnableVertexArrayAttrib(array, 2);
-        glVertexArrayAttribFormat(array, 2, 2, GL_FLOAT, GL_FALSE, 0);
-        glVertexArrayAttribBinding(array, 2, 1);
-    }
+    result.uvs = add_attribute(array, 2, mesh.uvs());
+    result.normal_uvs = add_attribute(array, 3, mesh.relief().normal_uvs);
+    result.tangents = add_attribute(array, 4, mesh.relief().tangents);
+    result.height_uvs = add_attribute(array, 5, mesh.relief().height_uvs);
     return result;
 }
 
@@ -59,24 +68,37 @@ GLint wrap_of(Extension extension) {
     return GL_REPEAT;
 }
 
-GpuTexture upload(const Texture& texture) {
+// How values are stored and given to OpenGL. Half a float is enough for a normal.
+struct Format {
+    GLenum stored;
+    GLenum given;
+};
+Format format_of(const Texture&) { return {GL_R32F, GL_RED}; }
+Format format_of(const VectorTexture&) { return {GL_RGB16F, GL_RGB}; }
+
+// levels: of mipmaps; 0 for all.
+template <typename Value>
+gl::Texture upload(const TextureOf<Value>& texture, int levels) {
     GLint greatest = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &greatest);
     const int longer = std::max(texture.width(), texture.height());
     if (longer > greatest)
         throw Error("Texture '" + texture.name() + "' is " + std::to_string(longer) +
                     " pixels long; the graphics driver takes up to " + std::to_string(greatest) + ".");
-    gl::Texture result(GL_R32F, texture.width(), texture.height(), GL_LINEAR,
-                       static_cast<int>(std::bit_width(static_cast<unsigned>(longer))));
+    if (levels == 0) levels = static_cast<int>(std::bit_width(static_cast<unsigned>(longer)));
+    const Format format = format_of(texture);
+    gl::Texture result(format.stored, texture.width(), texture.height(), GL_LINEAR, levels);
     glTextureParameteri(result.id(), GL_TEXTURE_WRAP_S, wrap_of(texture.extension()));
     glTextureParameteri(result.id(), GL_TEXTURE_WRAP_T, wrap_of(texture.extension()));
-    if (texture.interpolation() == Interpolation::Closest)
+    if (texture.interpolation() == Interpolation::Closest) {
         glTextureParameteri(result.id(), GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+        if (levels == 1) glTextureParameteri(result.id(), GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    }
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    glTextureSubImage2D(result.id(), 0, 0, 0, texture.width(), texture.height(), GL_RED, GL_FLOAT,
+    glTextureSubImage2D(result.id(), 0, 0, 0, texture.width(), texture.height(), format.given, GL_FLOAT,
                         texture.values().data());
-    glGenerateTextureMipmap(result.id());
-    return {std::move(result), RoughnessHistogram(texture), 0, {}};
+    if (levels > 1) glGenerateTextureMipmap(result.id());
+    return result;
 }
 
 // As `struct Material` of shaders/materials.glsl, std430.
@@ -121,7 +143,9 @@ bool TextureCache::update(const std::vector<Material>& materials, int most_class
         const auto& texture = material.roughness_texture;
         if (!texture || kept.count(texture) > 0) continue;
         const auto known = textures_.find(texture);
-        kept.emplace(texture, known != textures_.end() ? std::move(known->second) : upload(*texture));
+        kept.emplace(texture, known != textures_.end()
+                                  ? std::move(known->second)
+                                  : GpuTexture{upload(*texture, 0), RoughnessHistogram(*texture), 0, {}});
         changed = changed || known == textures_.end();
     }
     textures_ = std::move(kept);
@@ -138,6 +162,25 @@ int TextureCache::most_classes() const {
     std::size_t most = 0;
     for (const auto& [texture, uploaded] : textures_) most = std::max(most, uploaded.classes.size());
     return static_cast<int>(most);
+}
+
+bool ReliefCache::update(const std::vector<Material>& materials) {
+    const gl::PassScope scope("upload of relief");
+    bool changed = false;
+    Textures kept;
+    const auto keep = [&](const auto& texture) {
+        if (!texture || kept.count(texture) > 0) return;
+        const auto known = textures_.find(texture);
+        kept.emplace(texture, known != textures_.end() ? std::move(known->second) : upload(*texture, 1));
+        changed = changed || known == textures_.end();
+    };
+    for (const Material& material : materials) {
+        keep(material.relief.normals.texture);
+        keep(material.relief.bump.height);
+    }
+    textures_ = std::move(kept);
+    scope.check();
+    return changed;
 }
 
 float mean_roughness(const Material& material, const TextureCache& textures) {

@@ -20,7 +20,11 @@ namespace verglas {
 
 struct GpuMesh {
     gl::Buffer vertices;
-    gl::Buffer uvs;  // none where the mesh has none; shaders then read (0, 0)
+    // None where the mesh has none; shaders then read zeros.
+    gl::Buffer uvs;
+    gl::Buffer normal_uvs;
+    gl::Buffer tangents;
+    gl::Buffer height_uvs;
     gl::Buffer indices;
     gl::VertexArray array;
 };
@@ -57,6 +61,23 @@ class TextureCache {
 
   private:
     std::unordered_map<std::shared_ptr<const Texture>, GpuTexture> textures_;
+};
+
+// Textures of normals and heights by identity; those that no material has any more are dropped. Without
+// mipmaps: the mean of bent normals would be a smooth surface's.
+class ReliefCache {
+  public:
+    // Whether there were new textures.
+    bool update(const std::vector<Material>& materials);
+    bool empty() const { return textures_.empty(); }
+    // texture: of a material's relief.
+    const gl::Texture& operator[](const std::shared_ptr<const void>& texture) const {
+        return textures_.at(texture);
+    }
+
+  private:
+    using Textures = std::unordered_map<std::shared_ptr<const void>, gl::Texture>;
+    Textures textures_;
 };
 
 // Of a material with a texture, its mean; 0 … 1.

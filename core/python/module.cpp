@@ -37,6 +37,12 @@ std::vector<Vector> rows_of(const Array<T>& array, int columns, const char* what
     return {first, first + array.shape(0)};
 }
 
+// None without an array.
+template <typename Vector, typename T>
+std::vector<Vector> rows_of(const std::optional<Array<T>>& array, int columns, const char* what) {
+    return array ? rows_of<Vector>(*array, columns, what) : std::vector<Vector>();
+}
+
 // numpy's matrices are row-major, GLM's column-major.
 template <typename Matrix>
 Matrix matrix_of(const Array<float>& array) {
@@ -68,6 +74,7 @@ Rgb rgb_of(const glm::vec3& v) { return {v.r, v.g, v.b}; }
 constexpr std::array<const char*, 3> ndf_names = {"BECKMANN", "GGX", "BLINN_PHONG"};
 constexpr std::array<const char*, 3> lobe_event_names = {"REFRACT", "REFRACT_WITHOUT_FRESNEL", "REFLECT"};
 constexpr std::array<const char*, 3> extension_names = {"REPEAT", "EXTEND", "CLIP"};
+constexpr std::array<const char*, 3> normal_space_names = {"TANGENT", "OBJECT", "WORLD"};
 constexpr std::array<const char*, 2> interpolation_names = {"LINEAR", "CLOSEST"};
 constexpr std::array<const char*, 5> transport_names = {"BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP", "SPECULAR"};
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
@@ -112,25 +119,51 @@ void def_matrix(py::class_<Class>& cls, const char* property, Matrix Class::*mem
 std::shared_ptr<Mesh> make_mesh(const std::string& name, const Array<float>& positions,
                                 const Array<float>& normals, const Array<std::uint32_t>& triangles,
                                 const std::optional<Array<std::uint16_t>>& slots,
-                                const std::optional<Array<float>>& uvs) {
+                                const std::optional<Array<float>>& uvs,
+                                const std::optional<Array<float>>& normal_uvs,
+                                const std::optional<Array<float>>& tangents,
+                                const std::optional<Array<float>>& height_uvs) {
     auto p = rows_of<glm::vec3>(positions, 3, "positions");
     auto n = rows_of<glm::vec3>(normals, 3, "normals");
     const auto t = rows_of<glm::uvec3>(triangles, 3, "triangles");
     std::vector<std::uint16_t> s;
     if (slots) s.assign(slots->data(), slots->data() + slots->size());
-    auto uv = uvs ? rows_of<glm::vec2>(*uvs, 2, "uvs") : std::vector<glm::vec2>();
+    auto uv = rows_of<glm::vec2>(uvs, 2, "uvs");
+    ReliefCoordinates relief{rows_of<glm::vec2>(normal_uvs, 2, "normal_uvs"),
+                             rows_of<glm::vec4>(tangents, 4, "tangents"),
+                             rows_of<glm::vec2>(height_uvs, 2, "height_uvs")};
     const py::gil_scoped_release release;
-    return std::make_shared<Mesh>(name, std::move(p), std::move(n), t, s, std::move(uv));
+    return std::make_shared<Mesh>(name, std::move(p), std::move(n), t, s, std::move(uv), std::move(relief));
 }
 
-std::shared_ptr<Texture> make_texture(const std::string& name, const Array<float>& values,
-                                      const std::string& extension, const std::string& interpolation) {
-    if (values.ndim() != 2) throw Error("Texture '" + name + "' must have the shape (H, W).");
-    return std::make_shared<Texture>(name, static_cast<int>(values.shape(1)),
-                                     static_cast<int>(values.shape(0)),
-                                     std::vector<float>(values.data(), values.data() + values.size()),
-                                     enum_of<Extension>(extension_names, extension),
-                                     enum_of<Interpolation>(interpolation_names, interpolation));
+// values: (H, W), and as many floats again as a Value has, unless that is one.
+template <typename Value>
+std::shared_ptr<TextureOf<Value>> make_texture(const std::string& name, const Array<float>& values,
+                                               const std::string& extension,
+                                               const std::string& interpolation) {
+    constexpr py::ssize_t channels = sizeof(Value) / sizeof(float);
+    const bool is_right =
+        channels == 1 ? values.ndim() == 2 : values.ndim() == 3 && values.shape(2) == channels;
+    if (!is_right)
+        throw Error("Texture '" + name + "' must have the shape (H, W" +
+                    (channels == 1 ? "" : ", " + std::to_string(channels)) + ").");
+    const auto* first = reinterpret_cast<const Value*>(values.data());
+    return std::make_shared<TextureOf<Value>>(name, static_cast<int>(values.shape(1)),
+                                              static_cast<int>(values.shape(0)),
+                                              std::vector<Value>(first, first + values.size() / channels),
+                                              enum_of<Extension>(extension_names, extension),
+                                              enum_of<Interpolation>(interpolation_names, interpolation));
+}
+
+template <typename Class, typename Value>
+void def_texture(py::class_<Class>& cls, const char* property,
+                 std::shared_ptr<const TextureOf<Value>> Class::*member) {
+    cls.def_property(
+        property,
+        [member](const Class& self) { return std::const_pointer_cast<TextureOf<Value>>(self.*member); },
+        [member](Class& self, std::shared_ptr<TextureOf<Value>> texture) {
+            self.*member = std::move(texture);
+        });
 }
 
 std::shared_ptr<EnvironmentMap> make_map(const std::string& name, const Array<float>& pixels) {
@@ -187,14 +220,23 @@ void bind_material_model(py::module_& module) {
 void bind_scene(py::module_& module) {
     py::class_<Mesh, std::shared_ptr<Mesh>>(module, "Mesh")
         .def(py::init(&make_mesh), py::arg("name"), py::arg("positions"), py::arg("normals"),
-             py::arg("triangles"), py::arg("slots") = py::none(), py::arg("uvs") = py::none())
+             py::arg("triangles"), py::arg("slots") = py::none(), py::arg("uvs") = py::none(),
+             py::arg("normal_uvs") = py::none(), py::arg("tangents") = py::none(),
+             py::arg("height_uvs") = py::none())
         .def_property_readonly("name", &Mesh::name)
         .def_property_readonly("triangle_count", &Mesh::triangle_count)
+        .def_property_readonly("has_tangents",
+                               [](const Mesh& self) { return !self.relief().tangents.empty(); })
         .def_property_readonly("warnings", &Mesh::warnings);
 
+    py::class_<VectorTexture, std::shared_ptr<VectorTexture>>(module, "VectorTexture")
+        .def(py::init(&make_texture<glm::vec3>), py::arg("name"), py::arg("values"),
+             py::arg("extension") = "REPEAT", py::arg("interpolation") = "LINEAR")
+        .def_property_readonly("name", &VectorTexture::name);
+
     py::class_<Texture, std::shared_ptr<Texture>>(module, "Texture")
-        .def(py::init(&make_texture), py::arg("name"), py::arg("values"), py::arg("extension") = "REPEAT",
-             py::arg("interpolation") = "LINEAR")
+        .def(py::init(&make_texture<float>), py::arg("name"), py::arg("values"),
+             py::arg("extension") = "REPEAT", py::arg("interpolation") = "LINEAR")
         .def(
             "sample",
             [](const Texture& self, const Array<float>& uvs) {
@@ -209,6 +251,15 @@ void bind_scene(py::module_& module) {
         .def_property_readonly("width", &Texture::width)
         .def_property_readonly("height", &Texture::height);
 
+    py::class_<NormalMap> normal_map(module, "NormalMap");
+    normal_map.def_readwrite("strength", &NormalMap::strength);
+    def_texture(normal_map, "texture", &NormalMap::texture);
+    def_enum(normal_map, "space", &NormalMap::space, normal_space_names);
+
+    py::class_<BumpMap> bump_map(module, "BumpMap");
+    bump_map.def_readwrite("strength", &BumpMap::strength).def_readwrite("distance", &BumpMap::distance);
+    def_texture(bump_map, "height", &BumpMap::height);
+
     py::class_<Material> material(module, "Material");
     material.def(py::init([](const std::string& name) {
                      Material result;
@@ -218,15 +269,12 @@ void bind_scene(py::module_& module) {
                  py::arg("name") = "");
     material.def_readwrite("name", &Material::name)
         .def_readwrite("roughness", &Material::roughness)
-        .def_property(
-            "roughness_texture",
-            [](const Material& self) { return std::const_pointer_cast<Texture>(self.roughness_texture); },
-            [](Material& self, std::shared_ptr<Texture> texture) {
-                self.roughness_texture = std::move(texture);
-            })
         .def_readwrite("ior", &Material::ior)
         .def_readwrite("priority", &Material::priority)
-        .def_readwrite("fresnel", &Material::fresnel);
+        .def_readwrite("fresnel", &Material::fresnel)
+        .def_property_readonly("normal_map", [](Material& self) { return &self.relief.normals; })
+        .def_property_readonly("bump_map", [](Material& self) { return &self.relief.bump; });
+    def_texture(material, "roughness_texture", &Material::roughness_texture);
     def_enum(material, "ndf", &Material::ndf, ndf_names);
     def_rgb(material, "color", &Material::color);
     def_rgb(material, "reflection_color", &Material::reflection_color);

@@ -33,7 +33,10 @@ class Mesh:
 
     positions: (V, 3) float32, object space. normals: (V, 3) float32, need not be of unit length.
     triangles: (T, 3) uint32, counter-clockwise seen from outside. slots: (T,) uint16, the
-    triangle's material slot, all 0 when left out. uvs: (V, 2) float32, texture coordinates.
+    triangle's material slot, all 0 when left out. uvs: (V, 2) float32, coordinates of textures of roughness;
+    normal_uvs, height_uvs: (V, 2), those of normal maps and of heights. tangents: (V, 4), for normal maps in tangent
+    space, which a mesh without them does without: unit, object space, along the u that the map was made for, and 1
+    where its v goes along normal x tangent, -1 where against.
     Triangles with a vertex that isn't finite, or without area, are left out, with a warning each
     kind. Zero or non-finite normals are replaced by the triangle's own. Indices out of range raise Error.
     A mesh without triangles is valid and draws nothing.
@@ -46,6 +49,9 @@ class Mesh:
         triangles: ArrayLike,
         slots: ArrayLike | None = None,
         uvs: ArrayLike | None = None,
+        normal_uvs: ArrayLike | None = None,
+        tangents: ArrayLike | None = None,
+        height_uvs: ArrayLike | None = None,
     ) -> None: ...
     @property
     def name(self) -> str: ...
@@ -54,6 +60,8 @@ class Mesh:
         """Copies of them, by index."""
     @property
     def triangle_count(self) -> int: ...
+    @property
+    def has_tangents(self) -> bool: ...
     @property
     def warnings(self) -> list[str]: ...
 
@@ -74,6 +82,37 @@ class Texture:
     @property
     def height(self) -> int: ...
 
+class VectorTexture:
+    """The same of vectors."""
+
+    def __init__(
+        self, name: str, values: ArrayLike, extension: str = "REPEAT", interpolation: str = "LINEAR"
+    ) -> None:
+        """values: (H, W, 3) float32; the rest as Texture's."""
+    @property
+    def name(self) -> str: ...
+
+class NormalMap:
+    """Normals in place of the mesh's, as Blender's Normal Map node has them."""
+
+    texture: VectorTexture | None
+    """Colours 0 … 1 for -1 … 1, by the mesh's normal_uvs. Default None: no normal map."""
+    space: str
+    """What red, green and blue stand for: 'TANGENT' (default): the mesh's tangent, bitangent and normal; 'OBJECT' or
+    'WORLD': X, Y and Z."""
+    strength: float
+    """0: the mesh's own normals; 1 (default): the map's."""
+
+class BumpMap:
+    """Normals of a height over the surface, as Blender's Bump node has them; they come after the normal map."""
+
+    height: Texture | None
+    """By the mesh's height_uvs. Slopes are differences over a texel. Default None: no bumps."""
+    strength: float
+    """0: the normals as they were; 1 (default): those of the heights."""
+    distance: float
+    """That a height of 1 stands for, in world units; below 0 heights go inward. Default 1."""
+
 class Material:
     """A rough dielectric (Walter et al. 2007). All attributes can be read and set."""
 
@@ -84,6 +123,12 @@ class Material:
     """Blender's slider, 0 … 1; alpha = roughness^2. Default 0.5."""
     roughness_texture: Texture | None
     """Roughnesses in place of `roughness`, by the mesh's uvs; clamped to 0 … 1. Default None."""
+    @property
+    def normal_map(self) -> NormalMap:
+        """To be changed in place."""
+    @property
+    def bump_map(self) -> BumpMap:
+        """To be changed in place."""
     ior: float
     """Index of refraction inside, relative to the outside, 1/3 … 3 (clamped). Default 1.5."""
     priority: int
@@ -254,8 +299,9 @@ class RayScene:
     def intersect(self, origins: ArrayLike, directions: ArrayLike) -> dict[str, NDArray]:
         """What each ray meets first, from either side. origins, directions: (N, 3), world space; directions need
         not be of unit length. Returns 't': (N,) distances, infinite where there is nothing; 'geometric_normal':
-        (N, 3), of the triangle, outward by its winding; 'normal': (N, 3), interpolated; 'material' and
-        'object': (N,) indices in the order in which they were added, -1 where there is nothing."""
+        (N, 3), of the triangle, outward by its winding; 'normal': (N, 3), interpolated and bent by the material's
+        normal map and bump map; 'material' and 'object': (N,) indices in the order in which they were added, -1 where
+        there is nothing."""
 
 class PathSettings:
     """Of the path tracer, the ground truth."""

@@ -70,22 +70,28 @@ Census census_of(const std::vector<glm::vec3>& positions, const std::vector<glm:
 
 Mesh::Mesh(std::string name, std::vector<glm::vec3> positions, std::vector<glm::vec3> normals,
            const std::vector<glm::uvec3>& triangles, const std::vector<std::uint16_t>& slots,
-           std::vector<glm::vec2> uvs)
+           std::vector<glm::vec2> uvs, ReliefCoordinates relief)
     : name_(std::move(name)),
       positions_(std::move(positions)),
       normals_(std::move(normals)),
-      uvs_(std::move(uvs)) {
-    if (normals_.size() != positions_.size())
-        throw Error("Mesh '" + name_ + "' has " + std::to_string(positions_.size()) + " vertices but " +
-                    std::to_string(normals_.size()) + " normals.");
-    if (!uvs_.empty() && uvs_.size() != positions_.size())
-        throw Error("Mesh '" + name_ + "' has " + std::to_string(positions_.size()) + " vertices but " +
-                    std::to_string(uvs_.size()) + " texture coordinates.");
+      uvs_(std::move(uvs)),
+      relief_(std::move(relief)) {
+    check_count(normals_.size(), "normals");
+    for (const std::vector<glm::vec2>* each : {&uvs_, &relief_.normal_uvs, &relief_.height_uvs}) {
+        if (!each->empty()) check_count(each->size(), "texture coordinates");
+    }
+    if (!relief_.tangents.empty()) check_count(relief_.tangents.size(), "tangents");
     if (!slots.empty() && slots.size() != triangles.size())
         throw Error("Mesh '" + name_ + "' has " + std::to_string(triangles.size()) + " triangles but " +
                     std::to_string(slots.size()) + " material slots.");
     sort_by_slot(triangles, slots, find_usable(triangles));
     mend_normals();
+}
+
+void Mesh::check_count(std::size_t count, const char* what) const {
+    if (count == positions_.size()) return;
+    throw Error("Mesh '" + name_ + "' has " + std::to_string(positions_.size()) + " vertices but " +
+                std::to_string(count) + " " + what + ".");
 }
 
 // Of each triangle whether it can be drawn; takes the bounds of those.

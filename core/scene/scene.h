@@ -10,6 +10,7 @@
 #include "core/material/lobe_tables.h"
 #include "core/scene/environment_map.h"
 #include "core/scene/mesh.h"
+#include "core/scene/relief.h"
 #include "core/scene/texture.h"
 
 namespace verglas {
@@ -20,6 +21,7 @@ struct Material {
     Ndf ndf = Ndf::Beckmann;
     float roughness = 0.5F;                            // 0 … 1, alpha = roughness^2
     std::shared_ptr<const Texture> roughness_texture;  // in place of roughness; may be null
+    Relief relief;                                     // of the normals
     float ior = 1.5F;                                  // inside relative to outside, 1 / max_eta … max_eta
     int priority = 0;                  // among overlapping solids, for the CPU's rays; see MediumStack
     glm::vec3 color{1.0F};             // factor of every refraction, linear

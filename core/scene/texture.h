@@ -13,34 +13,43 @@ enum class Extension { Repeat, Extend, Clip };
 // What a texture holds between the centres of its texels.
 enum class Interpolation { Linear, Closest };
 
-// A picture of single values over UV in [0, 1]^2, row 0 at v = 0. Immutable.
-class Texture {
+// A picture over UV in [0, 1]^2, row 0 at v = 0. Immutable.
+template <typename Value>
+class TextureOf {
   public:
     // values: width x height. Throws Error where that isn't so.
-    Texture(std::string name, int width, int height, std::vector<float> values, Extension extension,
-            Interpolation interpolation = Interpolation::Linear);
+    TextureOf(std::string name, int width, int height, std::vector<Value> values, Extension extension,
+              Interpolation interpolation = Interpolation::Linear);
 
     const std::string& name() const { return name_; }
     int width() const { return width_; }
     int height() const { return height_; }
-    const std::vector<float>& values() const { return values_; }
+    const std::vector<Value>& values() const { return values_; }
     Extension extension() const { return extension_; }
     Interpolation interpolation() const { return interpolation_; }
 
     // Clip is 0 outside.
-    float sample(glm::vec2 uv) const;
+    Value sample(glm::vec2 uv) const;
 
   private:
-    float texel(int x, int y) const;
-    float closest(glm::vec2 uv) const;
-    float bilinear(glm::vec2 uv) const;
+    Value texel(int x, int y) const;
+    Value closest(glm::vec2 uv) const;
+    Value bilinear(glm::vec2 uv) const;
 
     std::string name_;
     int width_;
     int height_;
-    std::vector<float> values_;
+    std::vector<Value> values_;
     Extension extension_;
     Interpolation interpolation_;
 };
+
+// Of single values.
+using Texture = TextureOf<float>;
+// Of vectors.
+using VectorTexture = TextureOf<glm::vec3>;
+
+// How a texture rises along u and v, by its difference over the width of a texel.
+glm::vec2 slope(const Texture& texture, glm::vec2 uv);
 
 }  // namespace verglas

@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/material/model.h"
 #include "core/tracing/refit_cost.h"
 
 namespace verglas {
@@ -173,6 +174,25 @@ int native_width(RTCDevice device) {
     return rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0 ? 8 : 4;
 }
 
+// A point of a triangle. u, v: barycentric.
+struct TrianglePoint {
+    const std::uint32_t* corner;
+    float u;
+    float v;
+
+    // Of values of the mesh's vertices.
+    template <typename Value>
+    Value mix(const std::vector<Value>& values) const {
+        return (1.0F - u - v) * values[corner[0]] + u * values[corner[1]] + v * values[corner[2]];
+    }
+
+    // From the first corner to another.
+    template <typename Value>
+    Value edge(const std::vector<Value>& values, int end) const {
+        return values[corner[end]] - values[corner[0]];
+    }
+};
+
 // Whether a tree of one fits the other when its boxes are made anew.
 bool same_triangles(const Mesh& a, const Mesh& b) {
     return a.name() == b.name() && a.positions().size() == b.positions().size() && a.indices() == b.indices();
@@ -208,6 +228,11 @@ void RayScene::update(const Scene& scene) {
                            glm::transpose(glm::inverse(glm::mat3(object.matrix))), object.materials,
                            static_cast<int>(&object - scene.objects.data()),
                            static_cast<std::uint32_t>(objects.size())});
+    }
+    reliefs_.clear();
+    if (std::any_of(scene.materials.begin(), scene.materials.end(),
+                    [](const Material& material) { return !material.relief.empty(); })) {
+        for (const Material& material : scene.materials) reliefs_.push_back(material.relief);
     }
     const bool moved = !std::equal(
         objects.begin(), objects.end(), objects_.begin(), objects_.end(),
@@ -321,17 +346,14 @@ int RayScene::Placed::material_of(const MeshPart& part) const {
 
 // u, v: barycentric. outward: the triangle's normal in object space, of any length.
 Hit RayScene::Placed::hit(float t, std::uint32_t triangle, float u, float v, const glm::vec3& outward) const {
-    const std::uint32_t* corner = &mesh->indices()[std::size_t{3} * triangle];
-    const auto mix = [&](const auto& values) {
-        return (1.0F - u - v) * values[corner[0]] + u * values[corner[1]] + v * values[corner[2]];
-    };
+    const TrianglePoint point{&mesh->indices()[std::size_t{3} * triangle], u, v};
     Hit hit;
     hit.t = t;
     // More precise than origin + t d.
-    hit.position = glm::vec3(matrix * glm::vec4(mix(mesh->positions()), 1.0F));
+    hit.position = glm::vec3(matrix * glm::vec4(point.mix(mesh->positions()), 1.0F));
     hit.geometric_normal = glm::normalize(normal_matrix * outward);
-    hit.normal = glm::normalize(normal_matrix * mix(mesh->normals()));
-    if (!mesh->uvs().empty()) hit.uv = mix(mesh->uvs());
+    hit.normal = glm::normalize(normal_matrix * point.mix(mesh->normals()));
+    if (!mesh->uvs().empty()) hit.uv = point.mix(mesh->uvs());
     hit.material = material_of(triangle);
     hit.object = index;
     hit.instance = instance;
@@ -370,6 +392,44 @@ Curvature RayScene::Placed::curvature(std::uint32_t triangle) const {
     return {static_cast<float>(mean), static_cast<float>(std::sqrt(std::max(mean * mean - gaussian, 0.0)))};
 }
 
+// n: interpolated, unit, world space. u, v: barycentric.
+glm::vec3 RayScene::Placed::bent_normal(const glm::vec3& n, const Relief& relief, std::uint32_t triangle,
+                                        float u, float v) const {
+    const TrianglePoint point{&mesh->indices()[std::size_t{3} * triangle], u, v};
+    const ReliefCoordinates& places = mesh->relief();
+    const NormalMap& map = relief.normals;
+    const BumpMap& bump = relief.bump;
+    glm::vec3 bent = n;
+    if (map.texture && places.has(map)) {
+        glm::mat3 axes = map.space == NormalSpace::World ? glm::mat3(1.0F) : normal_matrix;
+        if (map.space == NormalSpace::Tangent)
+            axes *= model::tangent_frame(point.mix(mesh->normals()), point.mix(places.tangents));
+        const glm::vec3 color = map.texture->sample(point.mix(places.normal_uvs));
+        bent = model::mapped_normal(bent, axes, color, map.strength);
+    }
+    if (bump.height && places.has(bump)) {
+        const glm::mat3 linear(matrix);
+        const glm::vec2 rise = bump.distance * slope(*bump.height, point.mix(places.height_uvs));
+        bent = model::bumped_normal(bent, linear * point.edge(mesh->positions(), 1),
+                                    linear * point.edge(mesh->positions(), 2),
+                                    glm::dot(rise, point.edge(places.height_uvs, 1)),
+                                    glm::dot(rise, point.edge(places.height_uvs, 2)), bump.strength);
+    }
+    return bent;
+}
+
+// d: the ray's direction.
+Hit RayScene::hit(unsigned instance, const glm::vec3& d, float t, std::uint32_t triangle, float u, float v,
+                  const glm::vec3& outward) const {
+    const Placed& object = objects_[instance];
+    Hit hit = object.hit(t, triangle, u, v, outward);
+    if (reliefs_.empty() || reliefs_[hit.material].empty()) return hit;
+    const glm::vec3 bent = object.bent_normal(hit.normal, reliefs_[hit.material], triangle, u, v);
+    const float side = glm::dot(d, hit.geometric_normal) < 0.0F ? 1.0F : -1.0F;
+    hit.normal = side * model::mirroring_normal(side * bent, side * hit.geometric_normal, -d);
+    return hit;
+}
+
 std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3& d) const {
     if (!is_traceable(origin, d)) return std::nullopt;
     RTCRayHit query{};
@@ -379,8 +439,8 @@ std::optional<Hit> RayScene::intersect(const glm::vec3& origin, const glm::vec3&
     intersect_one(top_.get(), query);
     const RTCHit& found = query.hit;
     if (found.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    return objects_[found.instID[0]].hit(query.ray.tfar, found.primID, found.u, found.v,
-                                         {found.Ng_x, found.Ng_y, found.Ng_z});
+    return hit(found.instID[0], d, query.ray.tfar, found.primID, found.u, found.v,
+               {found.Ng_x, found.Ng_y, found.Ng_z});
 }
 
 void RayScene::intersect(std::span<const Ray> rays, std::span<Hit> hits) const {
@@ -410,10 +470,10 @@ void RayScene::intersect_packets(std::span<const Ray> rays, std::span<Hit> hits)
         const auto& found = packet.lanes.hit;
         for (int i = 0; i < count; ++i) {
             const bool met = found.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-            hits[first + i] = met ? objects_[found.instID[0][i]].hit(
-                                        packet.lanes.ray.tfar[i], found.primID[i], found.u[i], found.v[i],
-                                        {found.Ng_x[i], found.Ng_y[i], found.Ng_z[i]})
-                                  : Hit::none();
+            hits[first + i] =
+                met ? hit(found.instID[0][i], rays[first + i].d, packet.lanes.ray.tfar[i], found.primID[i],
+                          found.u[i], found.v[i], {found.Ng_x[i], found.Ng_y[i], found.Ng_z[i]})
+                    : Hit::none();
         }
     }
 }

@@ -27,7 +27,7 @@ struct Hit {
     float t = 0.0F;
     glm::vec3 position{0.0F};
     glm::vec3 geometric_normal{0.0F};  // unit, outward by the triangle's winding
-    glm::vec3 normal{0.0F};            // unit, interpolated
+    glm::vec3 normal{0.0F};            // unit, interpolated and bent by the material's relief
     glm::vec2 uv{0.0F};                // 0 where the mesh has none
     int material = 0;
     int object = 0;              // index into Scene::objects
@@ -97,10 +97,14 @@ class RayScene {
 
         Hit hit(float t, std::uint32_t triangle, float u, float v, const glm::vec3& outward) const;
         Curvature curvature(std::uint32_t triangle) const;
+        glm::vec3 bent_normal(const glm::vec3& n, const Relief& relief, std::uint32_t triangle, float u,
+                              float v) const;
         int material_of(std::uint32_t triangle) const;
         int material_of(const MeshPart& part) const;
     };
 
+    Hit hit(unsigned instance, const glm::vec3& d, float t, std::uint32_t triangle, float u, float v,
+            const glm::vec3& outward) const;
     bool update_trees(const Scene& scene);
     void build(Tree& tree) const;
     void deform(Tree& tree) const;
@@ -114,6 +118,7 @@ class RayScene {
     std::vector<Tree> trees_;
     ScenePointer top_;
     std::vector<Placed> objects_;  // by instance id
+    std::vector<Relief> reliefs_;  // by material; empty where none has any
 };
 
 }  // namespace verglas

@@ -221,16 +221,16 @@ def test_ior_beyond_the_tables_is_named(ior, expected, warned):
     assert len(warned) == 1 and "Material 'Ice'" in warned[0] and "IOR" in warned[0]
 
 
-def test_bump_and_displacement_are_named(warned):
+def test_other_normals_and_displacement_are_named(warned):
     """Bumps would be missing from the picture silently."""
     material = new_material("Ice")
     tree = material.node_tree
-    bump, displacement = tree.nodes.new("ShaderNodeBump"), tree.nodes.new("ShaderNodeDisplacement")
-    tree.links.new(bump.outputs[0], node_of(tree, "ShaderNodeBsdfGlass").inputs["Normal"])
+    bevel, displacement = tree.nodes.new("ShaderNodeBevel"), tree.nodes.new("ShaderNodeDisplacement")
+    tree.links.new(bevel.outputs[0], node_of(tree, "ShaderNodeBsdfGlass").inputs["Normal"])
     tree.links.new(displacement.outputs[0], node_of(tree, "ShaderNodeOutputMaterial").inputs["Displacement"])
     assert materials.from_blender(material, warned.append) is not None
     assert len(warned) == 2
-    assert "Normal" in warned[0] and "Displacement" in warned[1]
+    assert "'Bevel'" in warned[0] and "Normal" in warned[0] and "Displacement" in warned[1]
 
 
 @pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="from 5.0 all materials use nodes")

@@ -515,7 +515,8 @@ def painted(scene, monkeypatch):
     log = []
     real_read, real_mesh = meshes.read, core.Mesh
     monkeypatch.setattr(meshes, "read", lambda evaluated: log.append("read") or real_read(evaluated))
-    monkeypatch.setattr(core, "Mesh", lambda *arguments: log.append("Mesh") or real_mesh(*arguments))
+    monkeypatch.setattr(core, "Mesh", lambda *arguments, **coordinates:
+                        log.append("Mesh") or real_mesh(*arguments, **coordinates))
     image = new_image(np.full((4, 4, 3), 0.25, np.float32))
     sphere = add_sphere(textured(lambda tree: add_image(tree, image).outputs[0]))
     return image, sphere, log

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from scenes import add, add_node, new_material, node_of, render
 from verglas import verglas_core as core
-from verglas.sync import materials, meshes, roughness
+from verglas.sync import materials, meshes, painting
 
 PIXELS = 24
 """Along each side of the picture of the plane."""
@@ -79,11 +79,10 @@ def of_verglas(plane: bpy.types.Object, warn, depsgraph: bpy.types.Depsgraph | N
         return np.full((PIXELS, PIXELS), glass.roughness)
     arrays = meshes.read(evaluated)
     surface = meshes.Surface(evaluated, arrays, 0, warn)
-    painting = roughness.paint(glass.roughness_map, surface, glass.bake_resolution)
-    return sampled(arrays, painting)
+    return sampled(arrays, painting.paint(glass.roughness_map, surface, glass.bake_resolution))
 
 
-def sampled(arrays: meshes.MeshArrays, painting: roughness.Painting) -> np.ndarray:
+def sampled(arrays: meshes.MeshArrays, painted: painting.Painting) -> np.ndarray:
     """(PIXELS, PIXELS) of a plane from (-1, -1) to (1, 1)."""
     line = (np.arange(PIXELS) + 0.5) / PIXELS * 2.0 - 1.0
     y, x = np.meshgrid(line, line, indexing='ij')
@@ -94,8 +93,8 @@ def sampled(arrays: meshes.MeshArrays, painting: roughness.Painting) -> np.ndarr
     weights = np.concatenate([1.0 - inside.sum(axis=-1, keepdims=True), inside], axis=-1)
     triangle = weights.min(axis=-1).argmax(axis=-1)
     at = weights[np.arange(len(points)), triangle]
-    uvs = np.einsum('pk,pkc->pc', at, painting.uvs[triangle].astype(float))
-    return painting.texture.sample(uvs).reshape(PIXELS, PIXELS)
+    uvs = np.einsum('pk,pkc->pc', at, painted.uvs[triangle].astype(float))
+    return painted.texture.sample(uvs).reshape(PIXELS, PIXELS)
 
 
 def new_image(pixels: np.ndarray, name: str = "Frost", space: str = 'Non-Color', is_float: bool = True,

@@ -87,3 +87,27 @@ SHARED Answer sphere_wide_lobe(Question question) {
     answer.b = vec4(lobe.axis, 0.0f);
     return answer;
 }
+
+SHARED Answer answer_of_normal(vec3 n) {
+    Answer answer;
+    answer.a = vec4(n, 0.0f);
+    answer.b = vec4(0.0f);
+    return answer;
+}
+
+// a: n, strength. b: colour. c: tangent. Answer: normal.
+SHARED Answer normal_of_map(Question question) {
+    vec3 n = vec3(question.a);
+    return answer_of_normal(mapped_normal(n, tangent_frame(n, question.c), vec3(question.b), question.a.w));
+}
+
+// a: n, strength. b, c: a vector in the surface, and how far the height rises along it. Answer: normal.
+SHARED Answer normal_of_bump(Question question) {
+    return answer_of_normal(bumped_normal(vec3(question.a), vec3(question.b), vec3(question.c), question.b.w,
+                                          question.c.w, question.a.w));
+}
+
+// a: n. b: g. c: o. Answer: normal.
+SHARED Answer normal_that_mirrors(Question question) {
+    return answer_of_normal(mirroring_normal(vec3(question.a), vec3(question.b), vec3(question.c)));
+}

@@ -15,7 +15,7 @@ def renderer():
     return verglas.Renderer()
 
 
-def sphere(name="Sphere", segments=64):
+def sphere(name="Sphere", segments=64, **coordinates):
     """A unit sphere around the origin; u goes around Z from +X, v from pole to pole."""
     rows = segments // 2
     around, down = np.meshgrid(np.linspace(0, 2 * np.pi, segments + 1), np.linspace(0, np.pi, rows + 1))
@@ -26,7 +26,7 @@ def sphere(name="Sphere", segments=64):
     upper = np.stack([i, below, below + 1], -1)[:-segments]
     lower = np.stack([i, below + 1, i + 1], -1)[segments:]
     uvs = np.stack([around / (2 * np.pi), 1 - down / np.pi], -1).reshape(-1, 2)
-    return verglas.Mesh(name, points, points, np.concatenate([upper, lower]), uvs=uvs)
+    return verglas.Mesh(name, points, points, np.concatenate([upper, lower]), uvs=uvs, **coordinates)
 
 
 def flat_faces(name, corners, uvs=None, slots=None):

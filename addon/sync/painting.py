@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Textures of single values, with coordinates, for expressions that vary over a mesh."""
+"""Textures, with coordinates, for expressions that vary over a mesh."""
 
 import zlib
 from collections.abc import Callable
@@ -25,7 +25,7 @@ CHUNK = 1 << 18
 
 class Painting(NamedTuple):
     """An expression on the triangles of a surface."""
-    texture: core.Texture
+    texture: core.Texture | core.VectorTexture
     uvs: np.ndarray
     """(T, 3, 2) float32 of the triangles' corners"""
 
@@ -45,8 +45,11 @@ def clear() -> None:
     _paintings.clear()
 
 
-def paint(expression: Expression, surface: Surface, resolution: int) -> Painting:
-    """resolution: texels along the side of a texture that has to be baked."""
+def paint(expression: Expression, surface: Surface, resolution: int, has_slopes: bool = False) -> Painting:
+    """resolution: texels along the side of a texture that has to be baked. has_slopes: whether differences of
+    neighbouring texels count, too."""
+    if expression.is_constant:
+        return _constant(expression, surface)
     if not expression.leaves and len(expression.placements) == 1 \
             and len({image.extension for image in expression.placed}) == 1:
         return _of_images(expression, surface)
@@ -54,14 +57,27 @@ def paint(expression: Expression, surface: Surface, resolution: int) -> Painting
         leaf, = expression.leaves
         if leaf[0] in NUMBERS:
             return _of_one_quantity(expression, surface, leaf)
-    return _baked(expression, surface, resolution)
+    return _baked(expression, surface, resolution, margin=1 if has_slopes else 0)
+
+
+def _constant(expression: Expression, surface: Surface) -> Painting:
+    texture = _texture(("constant", expression.key), surface.name,
+                       lambda: expression.at(Points({}), 1)[None], 'EXTEND')
+    return Painting(texture, np.zeros((surface.triangle_count, 3, 2), np.float32))
 
 
 def _texture(key, name: str, make: Callable[[], np.ndarray], extension: str,
-             interpolation: str = 'LINEAR') -> core.Texture:
-    def made() -> core.Texture:
-        return core.Texture(name, make(), extension, interpolation)
+             interpolation: str = 'LINEAR') -> core.Texture | core.VectorTexture:
+    def made() -> core.Texture | core.VectorTexture:
+        return _of_values(name, make(), extension, interpolation)
     return _textures.get((key, extension, interpolation), made)
+
+
+def _of_values(name: str, values: np.ndarray, extension: str,
+               interpolation: str = 'LINEAR') -> core.Texture | core.VectorTexture:
+    """values: (H, W) or (H, W, 3)."""
+    kind = core.Texture if values.ndim == 2 else core.VectorTexture
+    return kind(name, values, extension, interpolation)
 
 
 # Images on one UV map
@@ -101,17 +117,18 @@ def _range_of(extension: str, is_cubic: bool, width: int, height: int) -> tuple[
 
 def _at_texels(expression: Expression, lower: np.ndarray, upper: np.ndarray,
                texels: tuple[int, int]) -> np.ndarray:
-    """(H, W): the expression at the texels' centres. texels: for coordinates 0 … 1."""
+    """(H, W, *shape): the expression at the texels' centres. texels: for coordinates 0 … 1."""
     width, height = np.rint((upper - lower) * texels).astype(int).tolist()
     x, y = (lower[i] + (np.arange(size) + 0.5) / size * (upper[i] - lower[i])
             for i, size in enumerate((width, height)))
-    values = np.empty((height, width), np.float32)
+    values = np.empty((height, width, *expression.shape), np.float32)
     step = max(1, CHUNK // width)
     for first in range(0, height, step):
         rows = slice(first, min(first + step, height))
         points = Points({}, lambda rows=rows: _grid(x, y[rows]),
                         Texels(texels, rows) if (width, height) == texels else None)
-        values[rows] = np.reshape(_finite(expression.evaluate(points)), (-1, width))
+        count = len(y[rows])
+        values[rows] = expression.at(points, count * width).reshape(count, width, *expression.shape)
     return values
 
 
@@ -129,7 +146,7 @@ def _of_one_quantity(expression: Expression, surface: Surface, leaf: Leaf) -> Pa
 
     def entries() -> np.ndarray:
         inputs = np.linspace(lower, upper, TABLE_ENTRIES, dtype=np.float32)
-        return np.broadcast_to(_finite(expression.evaluate(Points({leaf: inputs}))), TABLE_ENTRIES)[None]
+        return expression.at(Points({leaf: inputs}), TABLE_ENTRIES)[None]
     texture = _texture(("quantity", expression.key, lower, upper), surface.name, entries, 'EXTEND')
     return Painting(texture, _table_uvs(values, lower, upper, TABLE_ENTRIES))
 
@@ -142,29 +159,36 @@ def _table_uvs(values: np.ndarray, lower: float, upper: float, count: int) -> np
 
 # Anything else
 
-def _baked(expression: Expression, surface: Surface, resolution: int) -> Painting:
-    """Evaluated at the texels of an atlas of the triangles; at the corners of meshes that are finer than
-    that."""
+def _baked(expression: Expression, surface: Surface, resolution: int, margin: int) -> Painting:
+    """Evaluated at the texels of an atlas of the triangles. Of meshes that are finer than that single values,
+    whose slopes don't count, are evaluated at the corners; the atlas of others grows."""
     needed = set(expression.leaves) | {('UV', placement.uv_map) for placement in expression.placements}
     sums = tuple(zlib.crc32(np.ascontiguousarray(surface.corner_values(leaf))) for leaf in sorted(needed))
     corners = surface.corner_values(('OBJECT', ''))
-    key = ("baked", expression.key, resolution, sums, zlib.crc32(np.ascontiguousarray(corners)))
-    bake = _at_atlas if atlas.fits(len(corners), resolution) else _at_corners
-    return _paintings.get(key, lambda: bake(expression, surface, resolution))
+    key = ("baked", expression.key, resolution, margin, sums, zlib.crc32(np.ascontiguousarray(corners)))
+
+    def bake() -> Painting:
+        if not atlas.fits(len(corners), resolution) and expression.shape == () and margin == 0:
+            return _at_corners(expression, surface)
+        side = resolution
+        while not atlas.fits(len(corners), side, margin):
+            side *= 2
+        return _at_atlas(expression, surface, side, margin)
+    return _paintings.get(key, bake)
 
 
-def _at_atlas(expression: Expression, surface: Surface, resolution: int) -> Painting:
-    laid_out = atlas.lay_out(surface.corner_values(('OBJECT', '')), resolution)
-    values = np.full(resolution * resolution, np.nan, np.float32)
+def _at_atlas(expression: Expression, surface: Surface, resolution: int, margin: int) -> Painting:
+    laid_out = atlas.lay_out(surface.corner_values(('OBJECT', '')), resolution, margin)
+    values = np.full((resolution * resolution, *expression.shape), np.nan, np.float32)
     for texels in laid_out.texels:
         values[texels.index] = _evaluated(expression, surface, texels.triangle, texels.weights)
-    mean = np.nanmean(values)  # for the texels between, so that the texture's own mean is the surface's
-    values = np.where(np.isnan(values), mean, values).reshape(resolution, resolution)
-    return Painting(core.Texture(surface.name, values, 'EXTEND'), laid_out.uvs)
+    mean = np.nanmean(values, axis=0)  # for the texels between, so that the texture's own is the surface's
+    values = np.where(np.isnan(values), mean, values).reshape(resolution, resolution, *expression.shape)
+    return Painting(_of_values(surface.name, values, 'EXTEND'), laid_out.uvs)
 
 
-def _at_corners(expression: Expression, surface: Surface, resolution: int) -> Painting:
-    count = len(surface.corner_values(('OBJECT', '')))
+def _at_corners(expression: Expression, surface: Surface) -> Painting:
+    count = surface.triangle_count
     values = _evaluated(expression, surface, np.repeat(np.arange(count), 3),
                         np.tile(np.eye(3, dtype=np.float32), (count, 1)))
     lower, upper = float(values.min()), float(values.max())
@@ -174,14 +198,10 @@ def _at_corners(expression: Expression, surface: Surface, resolution: int) -> Pa
 
 def _evaluated(expression: Expression, surface: Surface, triangle: np.ndarray,
                weights: np.ndarray) -> np.ndarray:
-    """(N,) at points of triangles, by barycentric weights (N, 3)."""
+    """(N, *shape) at points of triangles, by barycentric weights (N, 3)."""
     parts = []
     for first in range(0, len(triangle), CHUNK):
         part = slice(first, first + CHUNK)
         points = Points(lambda leaf, part=part: surface.at(leaf, triangle[part], weights[part]))
-        parts.append(np.broadcast_to(_finite(expression.evaluate(points)), len(triangle[part])))
-    return np.concatenate(parts) if parts else np.zeros(0, np.float32)
-
-
-def _finite(values: np.ndarray) -> np.ndarray:
-    return np.nan_to_num(values, posinf=1.0, neginf=0.0)
+        parts.append(expression.at(points, len(triangle[part])))
+    return np.concatenate(parts) if parts else np.zeros((0, *expression.shape), np.float32)
