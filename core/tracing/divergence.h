@@ -51,6 +51,15 @@ class Divergence {
         if (!(angular_ < all_directions)) *this = Divergence(all_directions);
     }
 
+    // A part of all variances, 0 … 1.
+    Divergence part(float share) const {
+        Divergence result = *this;
+        result.angular_ *= share;
+        result.mixed_ *= share;
+        result.positional_ *= share;
+        return result;
+    }
+
     // By what an interface's own lobe spreads.
     void widen(const Divergence& lobe) { angular_ += lobe.angular_; }
 
