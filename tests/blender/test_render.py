@@ -6,6 +6,7 @@ import signal
 import subprocess
 import textwrap
 import time
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -233,3 +234,24 @@ def test_cancel(device):
     finally:
         process.kill()
     assert process.returncode >= 0 and "result:" in output, output
+
+
+MONKEY = str(Path(__file__).parents[2] / "blend_files" / "monkey.blend")
+
+
+@pytest.mark.parametrize("samples, most", [(1, 0.005), (4, 0.003)])
+def test_hard_sun_leaves_no_glitter(samples, most):
+    """Glass under a hard sun would glitter where light bounces inside: of two pixels one would meet the sun.
+    The share of pixels that stand out by half from the median around them was 0.0072 and 0.0045 when lobes
+    didn't widen by what curved surfaces turn apart, and drawn rays kept none of it."""
+    bpy.ops.wm.open_mainfile(filepath=MONKEY)
+    scene = bpy.context.scene
+    scene.render.resolution_x = scene.render.resolution_y = 192
+    scene.verglas.device, scene.verglas.samples = 'CPU', samples
+    picture = render(scene)
+    light = np.lib.stride_tricks.sliding_window_view(picture.rgb.mean(axis=-1), (3, 3))
+    inside = np.lib.stride_tricks.sliding_window_view(picture.mask, (5, 5)).all(axis=(2, 3))
+    relative = (light[..., 1, 1] / np.median(light, axis=(2, 3)))[1:-1, 1:-1][inside]
+    glitter, dots = np.mean(relative > 1.5), np.mean(relative < 0.5)
+    print(f"{samples} samples: {glitter:.4f} glitter, {dots:.4f} dark dots")
+    assert glitter < most and dots == 0.0
