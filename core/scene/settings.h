@@ -28,6 +28,9 @@ struct Rect {
         return std::size_t(inside.y) * size().x + inside.x;
     }
     bool empty() const { return end.x <= begin.x || end.y <= begin.y; }
+    bool contains(glm::ivec2 pixel) const {
+        return pixel.x >= begin.x && pixel.y >= begin.y && pixel.x < end.x && pixel.y < end.y;
+    }
     bool overlaps(const Rect& other) const {
         return begin.x < other.end.x && other.begin.x < end.x && begin.y < other.end.y &&
                other.begin.y < end.y;

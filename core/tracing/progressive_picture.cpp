@@ -17,8 +17,15 @@ constexpr int looks_ahead = 16;
 // samples.
 constexpr int window_reach = 2;
 
-// What a window's error must exceed, in variances of its noise, to be believed: rare bright samples, of which
-// few windows have two, would else show as squares.
+// What is thought of a window is what windows around say, from so far away to each side, one every step
+// pixels: where few drawn rays in a hundred pixels meet the sun, windows that have met it are brighter than
+// they should be and the others darker. From 5 to 12, further ones smooth more and blur more of the light
+// between facets.
+constexpr int surroundings_reach = 9;
+constexpr int surroundings_step = window_reach + 1;  // whose tents then add up to a constant
+
+// What a mean error must exceed, in variances of its noise, to be believed: rare bright samples, of which few
+// windows have two, would else show.
 constexpr float significance = 4.0F;
 
 // Standard deviation of the first sample's error, as a share of its light, that is always thought possible:
@@ -50,30 +57,58 @@ void for_each_neighbour(glm::ivec2 pixel, int reach, const Rect& rect, Work work
 // The share of what an error is found to be that is believed: it has this variance where all noise is away.
 float believed(float variance, float noise) { return variance / (variance + noise); }
 
+// Variance of errors whose mean over pixels is this; least: what is thought possible.
+float variance_of(const glm::vec3& error, float noise, float least) {
+    return std::max(squared(mean(error)) - significance * noise, least);
+}
+
+// Of a pixel in a window around another: falls off to the window's borders, which would be seen.
+float tent(glm::ivec2 offset, int reach) {
+    const glm::ivec2 nearness = reach + 1 - glm::abs(offset);
+    return static_cast<float>(nearness.x * nearness.y);
+}
+
 }  // namespace
 
-// What is known of a pixel, as means over samples.
+// What is known of a pixel, as means over samples. Errors count in units of its brightness and its window's,
+// so that neither a lamp nor the dark beside it decides alone.
 struct ProgressivePicture::Estimate {
     int object;
-    float light;   // the first sample's
-    float window;  // the same, of the window
-    glm::vec3 error;
-    float square;
+    float unit;
+    float light;      // the first sample's, in units
+    glm::vec3 error;  // in units
+    float square;     // in units squared
 };
 
-struct ProgressivePicture::Estimates {
-    const Estimate& at(glm::ivec2 pixel) const { return values[rect.place(pixel)]; }
+// Means over the pixels around one that show its object.
+struct ProgressivePicture::Window {
+    int object;
+    glm::vec3 error;       // in units
+    float squared_errors;  // of the mean over channels
+    float noise;           // variance of a pixel's error by chance
+    float error_noise;     // of the window's
+};
+
+template <typename Value>
+struct ProgressivePicture::Raster {
+    template <typename Make>
+    Raster(const Rect& rectangle, Make make) : rect(rectangle) {
+        values.reserve(std::size_t(rect.size().x) * rect.size().y);
+        for_each_pixel(rect, [&](glm::ivec2 pixel) { values.push_back(make(pixel)); });
+    }
+    const Value& at(glm::ivec2 pixel) const { return values[rect.place(pixel)]; }
 
     Rect rect;
-    std::vector<Estimate> values;
+    std::vector<Value> values;
 };
 
-// A pixel's window holds estimates, which look at windows of their own. Pixels of drawn_rect() look for
-// neighbours of the pixels that they see, which are averages of theirs.
+// A pixel's surroundings hold windows, these estimates, which look at windows of their own. Pixels of
+// drawn_rect() look for neighbours of the pixels that they see, which are averages of theirs.
 ProgressivePicture::ProgressivePicture(const Rect& rect, const Settings& settings)
     : settings_(settings),
       rect_(rect),
-      drawn_rect_(settings.samples > 1 ? grown(rect, 2 * window_reach, settings.size) : rect),
+      drawn_rect_(settings.samples > 1 ? grown(rect, surroundings_reach + 2 * window_reach, settings.size)
+                                       : rect),
       first_(grown(drawn_rect_, settings.samples > 1 ? filter_reach(settings) + 2 : 1, settings.size)),
       averaged_(std::make_unique_for_overwrite<glm::vec3[]>(first_.pixels)) {
     if (settings.samples == 1) return;
@@ -174,22 +209,23 @@ void ProgressivePicture::add(const Rect& tile, const TracedPicture& drawn, int s
 }
 
 void ProgressivePicture::resolve(const Rect& tile, Frame& frame) const {
-    Estimates estimates;
-    if (settings_.samples > 1) {
-        estimates.rect = grown(tile, window_reach, settings_.size);
-        for_each_pixel(estimates.rect,
-                       [&](glm::ivec2 pixel) { estimates.values.push_back(estimate(pixel)); });
-    }
-    for_each_pixel(tile, [&](glm::ivec2 pixel) {
-        glm::vec3 radiance = shown(pixel);
-        float covered = surface(pixel).object >= 0 ? 1.0F : 0.0F;
-        if (settings_.samples > 1) {
-            radiance = corrected(pixel, estimates);
-            covered = known(pixel).mean_covered();
-        }
+    const auto resolve_pixel = [&](glm::ivec2 pixel, const glm::vec3& radiance, float covered) {
         const std::size_t place = rect_.place(pixel);
         frame.combined[place] = glm::vec4(radiance, settings_.transparent ? covered : 1.0F);
         frame.normal_depth[place] = glm::vec4(surface(pixel).normal, surface(pixel).depth);
+    };
+    if (settings_.samples == 1) {
+        for_each_pixel(tile, [&](glm::ivec2 pixel) {
+            resolve_pixel(pixel, shown(pixel), surface(pixel).object >= 0 ? 1.0F : 0.0F);
+        });
+        return;
+    }
+    const Rect around = grown(tile, surroundings_reach, settings_.size);
+    const Raster<Estimate> estimates(grown(around, window_reach, settings_.size),
+                                     [&](glm::ivec2 pixel) { return estimate(pixel); });
+    const Raster<Window> windows(around, [&](glm::ivec2 pixel) { return window(pixel, estimates); });
+    for_each_pixel(tile, [&](glm::ivec2 pixel) {
+        resolve_pixel(pixel, corrected(pixel, estimates, windows), known(pixel).mean_covered());
     });
 }
 
@@ -202,54 +238,90 @@ ProgressivePicture::Estimate ProgressivePicture::estimate(glm::ivec2 pixel) cons
         window += mean(known(other).mean_base());
         count += 1.0F;
     });
-    const float share = 1.0F / static_cast<float>(settings_.samples - 1);
-    return {sum.object, mean(sum.mean_base()), window / count, share * sum.error, share * sum.square};
+    const float light = mean(sum.mean_base());
+    const float unit = std::max(light + window / count, 1e-12F);
+    const float share = 1.0F / drawn_samples();
+    return {sum.object, unit, light / unit, share / unit * sum.error, share / squared(unit) * sum.square};
 }
 
-// What the first sample shows, and as much of its error as is believed. Errors of a window's pixels count in
-// units of their brightness and the window's, so that neither a lamp nor the dark beside it decides alone.
-glm::vec3 ProgressivePicture::corrected(glm::ivec2 pixel, const Estimates& estimates) const {
+// Squares about 0 stand in for variances of samples, which few of them tell too low.
+ProgressivePicture::Window ProgressivePicture::window(glm::ivec2 pixel,
+                                                      const Raster<Estimate>& estimates) const {
+    Window sum{.object = estimates.at(pixel).object,
+               .error = glm::vec3(0.0F),
+               .squared_errors = 0.0F,
+               .noise = 0.0F,
+               .error_noise = 0.0F};
+    float weights = 0.0F;
+    for_each_neighbour(pixel, window_reach, estimates.rect, [&](glm::ivec2 other) {
+        const Estimate& estimate = estimates.at(other);
+        if (estimate.object != sum.object) return;
+        const float weight = tent(other - pixel, window_reach);
+        sum.error += weight * estimate.error;
+        sum.squared_errors += weight * squared(mean(estimate.error));
+        sum.noise += weight * estimate.square;
+        sum.error_noise += weight * weight * estimate.square;
+        weights += weight;
+    });
+    sum.error /= weights;
+    sum.squared_errors /= weights;
+    sum.noise /= weights * drawn_samples();
+    sum.error_noise /= squared(weights) * drawn_samples();
+    return sum;
+}
+
+// The same of the windows around.
+ProgressivePicture::Window ProgressivePicture::surroundings(glm::ivec2 pixel,
+                                                            const Raster<Window>& windows) const {
+    constexpr int steps = surroundings_reach / surroundings_step;
+    Window sum{.object = windows.at(pixel).object,
+               .error = glm::vec3(0.0F),
+               .squared_errors = 0.0F,
+               .noise = 0.0F,
+               .error_noise = 0.0F};
+    float weights = 0.0F;
+    for_each_pixel(Rect{glm::ivec2(-steps), glm::ivec2(steps + 1)}, [&](glm::ivec2 step) {
+        const glm::ivec2 other = pixel + surroundings_step * step;
+        if (!windows.rect.contains(other) || windows.at(other).object != sum.object) return;
+        const Window& one = windows.at(other);
+        const float weight = tent(step, steps);
+        sum.error += weight * one.error;
+        sum.noise += weight * one.error_noise;
+        sum.error_noise += squared(weight) * one.error_noise;
+        weights += weight;
+    });
+    sum.error /= weights;
+    sum.noise /= weights;
+    sum.error_noise /= squared(weights);
+    return sum;
+}
+
+// What the first sample shows, and as much of its error as is believed: of the surroundings, of how the
+// window differs from them, and of how the pixel differs from its window. Each is what is thought of the next
+// before its own samples are looked at.
+glm::vec3 ProgressivePicture::corrected(glm::ivec2 pixel, const Raster<Estimate>& estimates,
+                                        const Raster<Window>& windows) const {
     const glm::vec3 base = known(pixel).mean_base();
     if (known(pixel).object < 0) return base;
     const Estimate& own = estimates.at(pixel);
-    const auto unit = [&own](const Estimate& estimate) {
-        return std::max(estimate.light + own.window, 1e-12F);
-    };
-    glm::vec3 error(0.0F);
-    float squared_errors = 0.0F;
-    float noise = 0.0F;
-    float error_noise = 0.0F;
-    float weights = 0.0F;
-    for_each_neighbour(pixel, window_reach, drawn_rect_, [&](glm::ivec2 other) {
-        const Estimate& estimate = estimates.at(other);
-        if (estimate.object != own.object) return;
-        // Falls off to the window's borders, which would be seen.
-        const glm::ivec2 nearness = window_reach + 1 - glm::abs(other - pixel);
-        const auto weight = static_cast<float>(nearness.x * nearness.y);
-        const float square = estimate.square / squared(unit(estimate));
-        error += weight * estimate.error / unit(estimate);
-        squared_errors += weight * squared(mean(estimate.error) / unit(estimate));
-        noise += weight * square;
-        error_noise += weight * weight * square;
-        weights += weight;
-    });
-    error /= weights;
-    squared_errors /= weights;
-    // Of a mean over samples. Squares about 0 stand in for the variance, which few samples tell too low.
-    const auto drawn = static_cast<float>(settings_.samples - 1);
-    noise /= weights * drawn;
-    error_noise /= weights * weights * drawn;
-    const float own_noise = std::max(noise, own.square / squared(unit(own)) / drawn);
-    const float least = squared(possible_error * own.light / unit(own)) + 1e-12F;
+    const Window& window = windows.at(pixel);
+    const Window around = surroundings(pixel, windows);
+    constexpr float tiny = 1e-12F;
+    const float least = squared(possible_error * own.light) + tiny;
 
-    const float of_window = std::max(squared(mean(error)) - significance * error_noise, least);
+    glm::vec3 correction =
+        believed(variance_of(around.error, around.error_noise, tiny), around.error_noise) * around.error;
+    const glm::vec3 of_window = window.error - correction;
+    const float window_noise = std::max(window.error_noise, around.noise);
+    correction += believed(variance_of(of_window, window_noise, least), window_noise) * of_window;
+
     const float inside_window =
-        drawn > 1.0F ? std::max(squared_errors - squared(mean(error)) - noise, least) : least;
-    // What the window says is what is thought of the pixel before its own samples are looked at.
-    const glm::vec3 of_all = believed(of_window, error_noise) * error;
-    const glm::vec3 correction =
-        of_all + believed(inside_window, own_noise) * (own.error / unit(own) - of_all);
-    return glm::max(base + unit(own) * correction, 0.0F);
+        drawn_samples() > 1.0F
+            ? std::max(window.squared_errors - squared(mean(window.error)) - window.noise, least)
+            : least;
+    const float own_noise = std::max(window.noise, own.square / drawn_samples());
+    correction += believed(inside_window, own_noise) * (own.error - correction);
+    return glm::max(base + own.unit * correction, 0.0F);
 }
 
 }  // namespace verglas

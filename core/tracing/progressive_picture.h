@@ -2,8 +2,8 @@
 // The sum of all samples of a traced picture. The first sample has no noise, but its lobes are an
 // approximation; drawn samples are exact in the mean, but noisy. What they find the first to be wrong by is
 // averaged, and as much of that is believed as stands out from its noise (empirical Bayes: James and Stein
-// 1961), for a small window of pixels as a whole and for each pixel by itself. So error falls from the first
-// drawn sample on, and the picture converges to the mean of drawn samples.
+// 1961), for a window of pixels as a whole, for small ones in it and for each pixel by itself. So error falls
+// from the first drawn sample on, and the picture converges to the mean of drawn samples.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -56,7 +56,9 @@ class ProgressivePicture {
         float mean_covered() const { return looks > 0 ? covered / static_cast<float>(looks) : covered; }
     };
     struct Estimate;
-    struct Estimates;
+    struct Window;
+    template <typename Value>
+    struct Raster;
 
     const Surface& surface(glm::ivec2 pixel) const { return first_.surfaces[first_.place(pixel.x, pixel.y)]; }
     const glm::vec3& shown(glm::ivec2 pixel) const { return averaged_[first_.place(pixel.x, pixel.y)]; }
@@ -66,7 +68,11 @@ class ProgressivePicture {
     void look_through(glm::ivec2 pixel, const BundleTracer& tracer, Pixel& result) const;
     glm::vec3 filtered(glm::ivec2 pixel) const;
     Estimate estimate(glm::ivec2 pixel) const;
-    glm::vec3 corrected(glm::ivec2 pixel, const Estimates& estimates) const;
+    Window window(glm::ivec2 pixel, const Raster<Estimate>& estimates) const;
+    Window surroundings(glm::ivec2 pixel, const Raster<Window>& windows) const;
+    glm::vec3 corrected(glm::ivec2 pixel, const Raster<Estimate>& estimates,
+                        const Raster<Window>& windows) const;
+    float drawn_samples() const { return static_cast<float>(settings_.samples - 1); }
 
     const Settings& settings_;
     Rect rect_;

@@ -28,14 +28,17 @@ double seconds_since(Clock::time_point begin) {
 // Neighbouring rays visit the same nodes of the trees; larger tiles leave threads idle at the end.
 constexpr int tile_size = 16;
 
+// Tiles of the last step look at pixels around them, for each tile again.
+constexpr int resolved_tile_size = 64;
+
 // Between two calls of progress.
 constexpr double progress_seconds = 0.02;
 
-std::vector<Rect> tiles_of(const Rect& rect) {
+std::vector<Rect> tiles_of(const Rect& rect, int size) {
     std::vector<Rect> tiles;
-    for (int y = rect.begin.y; y < rect.end.y; y += tile_size)
-        for (int x = rect.begin.x; x < rect.end.x; x += tile_size)
-            tiles.push_back(Rect{{x, y}, {x + tile_size, y + tile_size}}.intersected(rect));
+    for (int y = rect.begin.y; y < rect.end.y; y += size)
+        for (int x = rect.begin.x; x < rect.end.x; x += size)
+            tiles.push_back(Rect{{x, y}, {x + size, y + size}}.intersected(rect));
     return tiles;
 }
 
@@ -103,8 +106,8 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
     frame.normal_depth.resize(frame.combined.size());
 
     int sample = 0;
-    const auto over = [&](const Rect& rect, auto work) {
-        const std::vector<Rect> tiles = tiles_of(rect);
+    const auto over = [&](const Rect& rect, auto work, int size = tile_size) {
+        const std::vector<Rect> tiles = tiles_of(rect, size);
         return do_all(
             arena, static_cast<int>(tiles.size()), [&](int i) { work(tiles[i]); },
             [&] { return !progress || progress(sample, settings.samples); });
@@ -122,7 +125,9 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
             sum.add(tile, picture, sample);
         });
     }
-    if (!go_on || !over(sum.rect(), [&](const Rect& tile) { sum.resolve(tile, frame); })) return std::nullopt;
+    go_on = go_on && over(
+                         sum.rect(), [&](const Rect& tile) { sum.resolve(tile, frame); }, resolved_tile_size);
+    if (!go_on) return std::nullopt;
     frame.seconds = seconds_since(begin);
     frame.prepare_seconds = scene_.seconds();
     return frame;
