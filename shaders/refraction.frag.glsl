@@ -84,6 +84,15 @@ Lobe mirrored_lobe(vec3 d, vec3 n, float roughness, Material material) {
 #endif
 }
 
+bool has_tail(Material material) { return material.tables.w > 0; }
+
+// Under a lobe and, where it has one, its tail.
+vec3 incoming_radiance(Lobe lobe, bool tail) {
+    if (!tail) return incoming_radiance(lobe.direction, lobe.spread);
+    return mix(incoming_radiance(lobe.direction, widened_spread(lobe.spread, CORE_WIDTH)),
+               incoming_radiance(lobe.direction, widened_spread(lobe.spread, TAIL_WIDTH)), TAIL_SHARE);
+}
+
 vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorption * distance_inside); }
 
 #ifdef TRANSPORT_BUNDLE
@@ -133,18 +142,28 @@ ClassSums add_ray(ClassSums sums, Lobe lobe, float table_x, vec3 color, Coverage
     return sums;
 }
 
-// Each class with the spread that its lobe has in the mean of the angles of incidence. table: of leaving lobes.
-vec3 radiance_of(ClassSums sums, int table) {
+// A class of lobes of one spread.
+vec3 incoming_radiance(float energy, vec3 vector, float spread) {
+    Lobe lobe = lobe_from_moments(Moments(energy, (1.0 - spread) * vector, mat3(0.0)));
+    return incoming_radiance(lobe.direction, lobe.spread);
+}
+
+// Each class with the spread that its lobe has in the mean of the angles of incidence. behind: of the exits.
+vec3 radiance_of(ClassSums sums, Material behind) {
     float x = sums.table_x / max(sums.energy, 1e-12);
     vec3 sum = vec3(0.0);
     for (int c = 0; c < CLASSES; ++c) {
         float energy = sums.energies[c / 4][c % 4];
         if (energy <= 0.0) continue;
         float roughness = sqrt(sqrt(sums.variances[c / 4][c % 4] / energy));
-        vec4 node = sample_lobe_table(table, x, lobe_table_y(roughness));
-        vec3 vector = (1.0 - lobe_spread(node, roughness)) * sums.vectors[c / 4][c % 4];
-        Lobe lobe = lobe_from_moments(Moments(energy, vector, mat3(0.0)));
-        sum += energy * incoming_radiance(lobe.direction, lobe.spread);
+        vec4 node = sample_lobe_table(behind.tables.y, x, lobe_table_y(roughness));
+        float spread = lobe_spread(node, roughness);
+        vec3 vector = sums.vectors[c / 4][c % 4];
+        bool tail = has_tail(behind);
+        vec3 incoming = incoming_radiance(energy, vector, tail ? widened_spread(spread, CORE_WIDTH) : spread);
+        if (tail)
+            incoming = mix(incoming, incoming_radiance(energy, vector, widened_spread(spread, TAIL_WIDTH)), TAIL_SHARE);
+        sum += energy * incoming;
     }
     return sums.color / max(sums.energy, 1e-12) * sum;
 }
@@ -167,11 +186,24 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         vec3 color = behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
         sums = add_ray(sums, lobe, table_x, color, coverage, behind);
     }
-    return front.energy * radiance_of(sums, materials[decode_material(axis.face.w)].tables.y);
+    return front.energy * radiance_of(sums, materials[decode_material(axis.face.w)]);
 }
 #else
+vec3 incoming_radiance(WideLobe lobe) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < EXIT_TAPS; ++i) sum += incoming_radiance(tap_direction(lobe, i), lobe.spread);
+    return sum / float(EXIT_TAPS);
+}
+
+Moments add_widened(Moments moments, Lobe lobe, float width, vec3 outward, float weight) {
+    lobe.spread = widened_spread(lobe.spread, width);
+    return add_lobe(moments, lobe, outward, weight);
+}
+
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
+    bool tail = has_tail(materials[decode_material(axis.face.w)]);
     Moments moments = no_moments();
+    Moments tails = no_moments();
     vec3 weighted_color = vec3(0.0);
     for (int i = 0; i < BUNDLE_RAYS; ++i) {
         vec3 d = bundle_ray(front, n, bundle_azimuth(i));
@@ -179,13 +211,13 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         Material behind = materials[decode_material(exit.face.w)];
         vec3 outward = decode_normal(exit.face.xy);
         Lobe lobe = leaving_lobe(d, outward, behind.color_roughness.w, behind);
-        moments = add_lobe(moments, lobe, outward, front.energy / float(BUNDLE_RAYS));
+        moments = add_widened(moments, lobe, tail ? CORE_WIDTH : 1.0, outward, front.energy / float(BUNDLE_RAYS));
+        if (tail) tails = add_widened(tails, lobe, TAIL_WIDTH, outward, front.energy / float(BUNDLE_RAYS));
         weighted_color += lobe.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
     }
-    WideLobe lobe = wide_lobe_from_moments(moments);
-    vec3 incoming = vec3(0.0);
-    for (int i = 0; i < EXIT_TAPS; ++i) incoming += incoming_radiance(tap_direction(lobe, i), lobe.spread);
-    return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming / float(EXIT_TAPS);
+    vec3 incoming = incoming_radiance(wide_lobe_from_moments(moments));
+    if (tail) incoming = mix(incoming, incoming_radiance(wide_lobe_from_moments(tails)), TAIL_SHARE);
+    return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming;
 }
 #endif
 #endif
@@ -334,7 +366,7 @@ void main() {
     sum *= material.color_roughness.rgb;
     if (reflection && has_fresnel(material)) {
         Lobe mirror = mirrored_lobe(d, n, roughness, material);
-        sum += mirror.energy * material.reflection_ior.rgb * incoming_radiance(mirror.direction, mirror.spread);
+        sum += mirror.energy * material.reflection_ior.rgb * incoming_radiance(mirror, has_tail(material));
     }
     radiance = vec4(sum, 1.0);
 }

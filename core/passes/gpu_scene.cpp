@@ -210,7 +210,7 @@ bool MaterialCache::update(const std::vector<Material>& materials, const Texture
                         {material.absorption, 0.0F},
                         packed(roughness_classes(material, textures)),
                         {entering.refraction, tables_.tables(i, 1.0F / material.ior).refraction,
-                         entering.reflection, 0}});
+                         entering.reflection, material.ndf == Ndf::Ggx ? 1 : 0}});
     }
     if (data.empty()) return false;
     buffer_ = gl::make_buffer(data.size() * sizeof(MaterialData), data.data());

@@ -94,6 +94,7 @@ struct BundleTracer::Beam {
     Divergence divergence;  // of that lobe, without the part that the bundle's rays stand for
     // Outward normal of the interface that it last left through; 0 if it was reflected since.
     glm::vec3 exit{0.0F};
+    bool has_tail = false;  // the lobe of the last interface
     glm::ivec2 pixel;
     int number = 0;      // of the bundle's ray, from 0
     int interfaces = 0;  // crossed
@@ -350,6 +351,7 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, float 
 
 void BundleTracer::send(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const {
     outgoing.exit = branch.reflected ? glm::vec3(0.0F) : -meeting.n;
+    outgoing.has_tail = meeting.material.ndf == Ndf::Ggx;
     if (settings_.paths == PathMode::TwoInterface && !meeting.entering) {
         meeting.radiance += looked_up(outgoing);
         return;
@@ -366,16 +368,23 @@ glm::vec3 BundleTracer::background(const glm::vec3& d) const {
 }
 
 glm::vec3 BundleTracer::looked_up(const Beam& beam) const {
+    const float spread = std::max(beam.divergence.spread(), model::LOBE_MIN_SPREAD);
+    if (!beam.has_tail) return beam.weight * looked_up(beam, spread);
+    return beam.weight * glm::mix(looked_up(beam, model::widened_spread(spread, model::CORE_WIDTH)),
+                                  looked_up(beam, model::widened_spread(spread, model::TAIL_WIDTH)),
+                                  model::TAIL_SHARE);
+}
+
+glm::vec3 BundleTracer::looked_up(const Beam& beam, float spread) const {
     // Rounder lobes gain nothing from more than one look-up.
     constexpr float least_excess = 0.1F;
-    const float spread = std::max(beam.divergence.spread(), model::LOBE_MIN_SPREAD);
     const model::WideLobe lobe = model::wide_lobe(beam.axis, spread, beam.exit);
     if (glm::dot(lobe.axis, lobe.axis) < least_excess * spread)
-        return beam.weight * scene_.incoming_radiance(beam.axis, spread);
+        return scene_.incoming_radiance(beam.axis, spread);
     glm::vec3 sum(0.0F);
     for (int i = 0; i < model::EXIT_TAPS; ++i)
         sum += scene_.incoming_radiance(model::tap_direction(lobe, i), lobe.spread);
-    return beam.weight * sum / static_cast<float>(model::EXIT_TAPS);
+    return sum / static_cast<float>(model::EXIT_TAPS);
 }
 
 // The light of a branch that isn't followed.

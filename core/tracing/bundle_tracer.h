@@ -80,6 +80,7 @@ class BundleTracer {
     void send(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
     glm::vec3 background(const glm::vec3& d) const;
     glm::vec3 looked_up(const Beam& beam) const;
+    glm::vec3 looked_up(const Beam& beam, float spread) const;
     glm::vec3 cut_off(const Meeting& meeting, const Branch& branch) const;
 
     const TracedScene& scene_;
