@@ -132,8 +132,8 @@ SHARED vec3 tap_direction(WideLobe lobe, int i) {
 // in its middle and too narrow at its foot. Two, a core and a tail, are closer; their mean spread is the lobe's. The
 // tail's share of the energy and its width, in units of the lobe's, were measured on path-traced spheres and monkeys of
 // roughness 0.25 and 0.55, where they are flat.
-const float TAIL_SHARE = 0.25f;
-const float TAIL_WIDTH = 3.3f;
+const float TAIL_SHARE = 0.2f;
+const float TAIL_WIDTH = 3.5f;
 const float CORE_WIDTH = (1.0f - TAIL_SHARE * TAIL_WIDTH) / (1.0f - TAIL_SHARE);
 
 // Spread of a lobe that is so many times as wide.
