@@ -304,31 +304,25 @@ void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& nex
     }
 }
 
-// Directions from the microfacets: four of the front's refraction, else one, where little light is at stake
-// only by chance.
+// Directions from the microfacets: four of the front's refraction, else one.
 void BundleTracer::draw(const Meeting& meeting, const Branch& branch, Wave& next) const {
     Beam outgoing = meeting.beam;
-    if (outgoing.interfaces == 0 && !branch.reflected) {
-        for (outgoing.number = 0; outgoing.number < model::BUNDLE_RAYS; ++outgoing.number)
-            draw_ray(meeting, branch, 1.0F / static_cast<float>(model::BUNDLE_RAYS), outgoing, next);
-        return;
+    const int rays = outgoing.interfaces == 0 && !branch.reflected ? model::BUNDLE_RAYS : 1;
+    outgoing.weight /= static_cast<float>(rays);
+    for (int i = 0; i < rays; ++i) {
+        if (rays > 1) outgoing.number = i;
+        draw_ray(meeting, branch, outgoing, next);
     }
-    const float chance = std::min(greatest(branch.weight) / least_drawn_weight, 1.0F);
-    draw_ray(meeting, branch, 1.0F / chance, outgoing, next);
 }
 
-// share: of the branch that the ray stands for; above 1 where it is there by chance.
-void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, float share, Beam outgoing,
-                            Wave& next) const {
+void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const {
     const SobolPoint point =
         SobolPoint(pixel_number(outgoing.pixel, settings_), static_cast<std::uint32_t>(sample_), 0)
             .part(static_cast<std::uint32_t>(outgoing.number), model::BUNDLE_RAYS);
-    const int dimension = outgoing.interfaces == 0
-                              ? front_dimension
-                              : first_inner_dimension + (outgoing.interfaces - 1) * inner_dimensions +
-                                    (branch.reflected ? reflection_dimension : 0);
-    if (share > 1.0F && point[dimension + chance_dimension] * share >= 1.0F) return;
-
+    const bool is_front = outgoing.interfaces == 0;
+    const int dimension = is_front ? front_dimension
+                                   : first_inner_dimension + (outgoing.interfaces - 1) * inner_dimensions +
+                                         (branch.reflected ? reflection_dimension : 0);
     const float alpha = facet_alpha(meeting.roughness);
     const RoughInterface surface(meeting.material.ndf, alpha, meeting.eta, meeting.material.fresnel,
                                  Reflected::All);
@@ -339,7 +333,13 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, float 
     outgoing.ray.d = frame * facet->direction;
     // The side of the interpolated normal must be the triangle's.
     if (glm::dot(outgoing.ray.d, meeting.side(branch)) <= 0.0F) return;
-    outgoing.weight *= share * facet->weight * branch.color;
+    outgoing.weight *= facet->weight * branch.color;
+    if (!is_front || branch.reflected) {
+        // By what was drawn: the lobe's energy next to the critical angle says too little of it.
+        const float chance = greatest(outgoing.weight) / least_drawn_weight;
+        if (point[dimension + chance_dimension] >= chance) return;
+        outgoing.weight /= std::min(chance, 1.0F);
+    }
     const float drawn = drawn_part(sample_);
     outgoing.axis = glm::normalize(glm::mix(branch.lobe.direction, outgoing.ray.d, std::sqrt(drawn)));
     // The front's rays are enough to stand for its lobe.

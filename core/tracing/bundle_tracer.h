@@ -76,7 +76,7 @@ class BundleTracer {
     void follow(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void split(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void draw(const Meeting& meeting, const Branch& branch, Wave& next) const;
-    void draw_ray(const Meeting& meeting, const Branch& branch, float share, Beam outgoing, Wave& next) const;
+    void draw_ray(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
     void send(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
     glm::vec3 background(const glm::vec3& d) const;
     glm::vec3 looked_up(const Beam& beam) const;

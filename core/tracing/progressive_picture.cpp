@@ -32,6 +32,10 @@ constexpr float significance = 4.0F;
 // what many drawn samples agree on is then believed, however well the first sample does all around.
 constexpr float possible_error = 0.05F;
 
+// The first sample's share of a window's light below which the drawn samples tell how bright the window is:
+// where it shows nothing, errors in units of its brightness would be without bound.
+constexpr float least_known_share = 0.25F;
+
 float mean(const glm::vec3& v) { return (v.x + v.y + v.z) / 3.0F; }
 
 float squared(float x) { return x * x; }
@@ -231,16 +235,18 @@ void ProgressivePicture::resolve(const Rect& tile, Frame& frame) const {
 
 ProgressivePicture::Estimate ProgressivePicture::estimate(glm::ivec2 pixel) const {
     const Pixel& sum = known(pixel);
-    float window = 0.0F;
+    const float share = 1.0F / drawn_samples();
+    float first = 0.0F;
+    float drawn = 0.0F;
     float count = 0.0F;
     for_each_neighbour(pixel, window_reach, drawn_rect_, [&](glm::ivec2 other) {
         if (known(other).object != sum.object) return;
-        window += mean(known(other).mean_base());
+        first += mean(known(other).mean_base());
+        drawn += mean(known(other).mean_base() + share * known(other).error);
         count += 1.0F;
     });
     const float light = mean(sum.mean_base());
-    const float unit = std::max(light + window / count, 1e-12F);
-    const float share = 1.0F / drawn_samples();
+    const float unit = std::max(light + std::max(first, least_known_share * drawn) / count, 1e-12F);
     return {sum.object, unit, light / unit, share / unit * sum.error, share / squared(unit) * sum.square};
 }
 

@@ -398,6 +398,22 @@ Pair by_both_devices(float roughness, std::shared_ptr<const EnvironmentMap> map)
     return by_both_devices(scene, refraction_only(256));
 }
 
+// A user loses: glass before a dark wall. Where the first sample shows no light, all the light of others
+// would be an error without measure, and pixels around would flare up. In the white world nothing is brighter
+// than 1, but for noise.
+TEST(TracedRenderer, DarknessBesideLightStaysInBounds) {
+    for (const float roughness : {0.3F, 0.4F}) {
+        Scene scene = glass_sphere(roughness);
+        scene.materials[0].fresnel = false;
+        scene.objects[0].mesh = shapes::slab(-0.5F, 0.5F);
+        scene.objects[0].matrix =
+            glm::rotate(mat4(1.0F), 0.5F, vec3(1, 0, 0)) * glm::rotate(mat4(1.0F), 0.6F, vec3(0, 0, 1));
+        Settings settings = settings_of(128, 8);
+        settings.reflection = false;
+        for (const vec4& pixel : render(scene, settings).combined) ASSERT_LE(pixel.r, 1.3F) << roughness;
+    }
+}
+
 // A user loses: F12 that shows what the viewport showed, where one draws on the graphics card and the other
 // on the CPU.
 TEST(TracedRenderer, AgreesWithOpenGlOnASphere) {
