@@ -62,11 +62,13 @@ Coverage coverage_about(vec2 pixel, vec4 face, float pixels) {
 #endif
 }
 
-#ifdef CLASS_LAYERS
 float mean_roughness(Coverage coverage, Material material) {
+#ifdef CLASS_LAYERS
     float mean = 0.0;
     for (int layer = 0; layer < CLASS_LAYERS; ++layer)
         mean += dot(coverage.ratios[layer], roughness_of_classes(material, layer));
     return mean;
-}
+#else
+    return material.color_roughness.w;
 #endif
+}

@@ -6,9 +6,9 @@
 struct Material {
     vec4 color_roughness;  // of a texture, its mean
     vec4 reflection_ior;
-    vec4 absorption;
+    vec4 absorption;  // w: above 0 where lobes have tails (lib/bundle.glsl)
     uint class_roughness[MAX_ROUGHNESS_CLASSES / 2];  // two in each; ascending; the last one repeats itself
-    ivec4 tables;  // entering, leaving, reflection (-1: none); w: whether lobes have tails (lib/bundle.glsl)
+    ivec4 tables;  // entering, leaving, reflection outside and inside (-1: none)
 };
 
 // Of four classes in a row, from class 4 * layer on. Packed, as software OpenGL takes long to read from buffers.

@@ -2,7 +2,8 @@
 // Shades the front faces of one group of objects: the front lobe, its way through the object to the back faces,
 // and the environment behind and before. One of TRANSPORT_BUNDLE, TRANSPORT_PAPER, TRANSPORT_SINGLE,
 // TRANSPORT_DEPTH_MIP, TRANSPORT_SPECULAR and one of INTERSECTION_NEWTON, INTERSECTION_MARCH is defined, LAYERS where
-// exits are searched in four layers of the geometry, FRONT_ROUGHNESS where textures make roughness vary, and CLASSES
+// exits are searched in four layers of the geometry, BOUNCE where rays are followed after they are reflected inside
+// (bounce.glsl), FRONT_ROUGHNESS where textures make roughness vary, and CLASSES
 // and CLASS_LAYERS (coverage.glsl) where its classes on the back count.
 #include "environment.glsl"
 #include "screen_space.glsl"
@@ -84,7 +85,7 @@ Lobe mirrored_lobe(vec3 d, vec3 n, float roughness, Material material) {
 #endif
 }
 
-bool has_tail(Material material) { return material.tables.w > 0; }
+bool has_tail(Material material) { return material.absorption.w > 0.0; }
 
 // Under a lobe and, where it has one, its tail.
 vec3 incoming_radiance(Lobe lobe, bool tail) {
@@ -95,7 +96,18 @@ vec3 incoming_radiance(Lobe lobe, bool tail) {
 
 vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorption * distance_inside); }
 
+// Of the front face at a pixel.
+float roughness_at(ivec2 pixel, Material material) {
+#ifdef FRONT_ROUGHNESS
+    return texelFetch(front_roughness, pixel, 0).r;
+#else
+    return material.color_roughness.w;
+#endif
+}
+
 #ifdef TRANSPORT_BUNDLE
+#include "bounce.glsl"
+
 // Four rays at the front lobe's root-mean angle, each with its own exit (method: 5.3).
 #ifdef CLASS_LAYERS
 // Of the distance from the exit of the axis, which a ray's part of the footprint measures: the kernel of a look-up in
@@ -173,6 +185,7 @@ vec3 radiance_of(ClassSums sums, Material behind) {
 vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     vec2 center = pixel_of(origin + axis.t * front.direction);
     ClassSums sums = no_class_sums();
+    Arrival arrivals[BUNDLE_RAYS];
     for (int i = 0; i < BUNDLE_RAYS; ++i) {
         vec3 d = bundle_ray(front, n, bundle_azimuth(i));
         Exit exit = find_exit(origin, d, axis, RAY_STEPS);
@@ -180,13 +193,16 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         vec3 outward = decode_normal(exit.face.xy);
         vec2 pixel = pixel_of(origin + exit.t * d);
         Coverage coverage = coverage_about(pixel, exit.face, FOOTPRINT_SHARE * distance(pixel, center));
-        Lobe lobe = leaving_lobe(d, outward, mean_roughness(coverage, behind), behind);
+        float roughness = mean_roughness(coverage, behind);
+        Lobe lobe = leaving_lobe(d, outward, roughness, behind);
         float eta = 1.0 / behind.reflection_ior.w;
         float table_x = lobe_table_x(refracted_cosine(eta, d, -outward, tir), eta);
-        vec3 color = behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
-        sums = add_ray(sums, lobe, table_x, color, coverage, behind);
+        vec3 throughput = transmittance(material.absorption.rgb, exit.t);
+        sums = add_ray(sums, lobe, table_x, behind.color_roughness.rgb * throughput, coverage, behind);
+        arrivals[i] = Arrival(origin + exit.t * d, d, exit.face, roughness, throughput, 0.0);
     }
-    return front.energy * radiance_of(sums, materials[decode_material(axis.face.w)]);
+    vec3 refracted = radiance_of(sums, materials[decode_material(axis.face.w)]);
+    return front.energy * (refracted + reflected_light(arrivals, material));
 }
 #else
 vec3 incoming_radiance(WideLobe lobe) {
@@ -205,6 +221,7 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
     Moments moments = no_moments();
     Moments tails = no_moments();
     vec3 weighted_color = vec3(0.0);
+    Arrival arrivals[BUNDLE_RAYS];
     for (int i = 0; i < BUNDLE_RAYS; ++i) {
         vec3 d = bundle_ray(front, n, bundle_azimuth(i));
         Exit exit = find_exit(origin, d, axis, RAY_STEPS);
@@ -213,11 +230,14 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         Lobe lobe = leaving_lobe(d, outward, behind.color_roughness.w, behind);
         moments = add_widened(moments, lobe, tail ? CORE_WIDTH : 1.0, outward, front.energy / float(BUNDLE_RAYS));
         if (tail) tails = add_widened(tails, lobe, TAIL_WIDTH, outward, front.energy / float(BUNDLE_RAYS));
-        weighted_color += lobe.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, exit.t);
+        vec3 throughput = transmittance(material.absorption.rgb, exit.t);
+        weighted_color += lobe.energy * behind.color_roughness.rgb * throughput;
+        arrivals[i] = Arrival(origin + exit.t * d, d, exit.face, behind.color_roughness.w, throughput, 0.0);
     }
     vec3 incoming = incoming_radiance(wide_lobe_from_moments(moments));
     if (tail) incoming = mix(incoming, incoming_radiance(wide_lobe_from_moments(tails)), TAIL_SHARE);
-    return front.energy / float(BUNDLE_RAYS) * weighted_color * incoming;
+    vec3 refracted = weighted_color / float(BUNDLE_RAYS) * incoming;
+    return front.energy * (refracted + reflected_light(arrivals, material));
 }
 #endif
 #endif
@@ -332,15 +352,6 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
 
 // Interpolated normals may face away at silhouettes; such a normal is bent until it is seen edge-on.
 vec3 toward_viewer(vec3 n, vec3 d) { return normalize(n - max(dot(n, d) + 1e-3, 0.0) * d); }
-
-// Of the front face at a pixel.
-float roughness_at(ivec2 pixel, Material material) {
-#ifdef FRONT_ROUGHNESS
-    return texelFetch(front_roughness, pixel, 0).r;
-#else
-    return material.color_roughness.w;
-#endif
-}
 
 void main() {
     vec4 face = texelFetch(front_faces, ivec2(gl_FragCoord.xy), 0);

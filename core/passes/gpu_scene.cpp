@@ -207,10 +207,10 @@ bool MaterialCache::update(const std::vector<Material>& materials, const Texture
         const InterfaceTables& entering = tables_.tables(i, material.ior);
         data.push_back({{material.color, mean_roughness(material, textures)},
                         {material.reflection_color, entering.eta},
-                        {material.absorption, 0.0F},
+                        {material.absorption, material.ndf == Ndf::Ggx ? 1.0F : 0.0F},
                         packed(roughness_classes(material, textures)),
                         {entering.refraction, tables_.tables(i, 1.0F / material.ior).refraction,
-                         entering.reflection, material.ndf == Ndf::Ggx ? 1 : 0}});
+                         entering.reflection, tables_.tables(i, 1.0F / material.ior).reflection}});
     }
     if (data.empty()) return false;
     buffer_ = gl::make_buffer(data.size() * sizeof(MaterialData), data.data());

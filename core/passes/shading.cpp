@@ -82,8 +82,13 @@ RoughnessData RefractionPass::back_data(const Settings& settings, int classes) {
     return classes > 4 ? RoughnessData::Classes8 : RoughnessData::Classes4;
 }
 
+bool RefractionPass::follows_reflections(const Settings& settings) {
+    return settings.tir == Tir::Bounce && needs_layers(settings);
+}
+
 const gl::Program& RefractionPass::program(const Settings& settings, RoughnessData front, int classes) {
-    const std::tuple key(settings.transport, settings.intersection, front, classes);
+    const std::tuple key(settings.transport, settings.intersection, follows_reflections(settings), front,
+                         classes);
     const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
     constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE",
@@ -97,8 +102,14 @@ const gl::Program& RefractionPass::program(const Settings& settings, RoughnessDa
         defines.push_back("CLASSES " + std::to_string(classes));
         defines.push_back("CLASS_LAYERS " + std::to_string(classes > 4 ? 2 : 1));
     }
+    if (follows_reflections(settings)) defines.emplace_back("BOUNCE");
     return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "refraction.frag.glsl", defines))
         .first->second;
+}
+
+Tir RefractionPass::tir_of_exits(const Settings& settings) {
+    if (settings.tir != Tir::Bounce) return settings.tir;
+    return follows_reflections(settings) ? Tir::None : Tir::Clamp;
 }
 
 void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
@@ -126,7 +137,7 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     }
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());
     shader.set("group", number);
-    shader.set("tir", static_cast<int>(inputs.settings.tir));
+    shader.set("tir", static_cast<int>(tir_of_exits(inputs.settings)));
     shader.set("reflection", inputs.settings.reflection ? 1 : 0);
     for (const ViewObject& item : group.objects) {
         begin(target, inputs.view, item.rect);

@@ -57,10 +57,14 @@ class RefractionPass {
               const MaterialCache& materials, const ViewGroup& group, int number);
 
   private:
+    // Whether Tir::Bounce is wanted and there is what it needs: a bundle, and layers to follow its rays in.
+    static bool follows_reflections(const Settings& settings);
+    // What becomes of rays at their exits: without what bounces need, they are clamped.
+    static Tir tir_of_exits(const Settings& settings);
     // classes: of the back; 0 where one roughness stands for all of it.
     const gl::Program& program(const Settings& settings, RoughnessData front, int classes);
 
-    std::map<std::tuple<Transport, Intersection, RoughnessData, int>, gl::Program> programs_;
+    std::map<std::tuple<Transport, Intersection, bool, RoughnessData, int>, gl::Program> programs_;
     gl::VertexArray empty_;
 };
 

@@ -80,7 +80,7 @@ constexpr std::array<const char*, 5> transport_names = {"BUNDLE", "PAPER", "SING
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
 constexpr std::array<const char*, 2> path_mode_names = {"TWO_INTERFACE", "FULL"};
 constexpr std::array<const char*, 2> back_roughness_names = {"SIMPLE", "COVERAGE"};
-constexpr std::array<const char*, 3> tir_names = {"NONE", "INCIDENT", "CLAMP"};
+constexpr std::array<const char*, 4> tir_names = {"NONE", "INCIDENT", "CLAMP", "BOUNCE"};
 
 template <typename Enum, std::size_t N>
 Enum enum_of(const std::array<const char*, N>& names, const std::string& name) {

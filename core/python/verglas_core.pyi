@@ -216,7 +216,9 @@ class Settings:
     intersection: str
     """'NEWTON' (default) or 'MARCH'."""
     tir: str
-    """Total internal reflection: 'NONE', 'INCIDENT' or 'CLAMP' (default)."""
+    """Total internal reflection: 'NONE', 'INCIDENT', 'CLAMP' (default) or 'BOUNCE', which follows the light that
+    materials with Fresnel reflection reflect inside, totally or in part, from exit to exit, whatever `reflection`
+    says; for transport 'BUNDLE' and intersection 'NEWTON', with others as 'CLAMP'."""
     back_roughness: str
     """Where a texture makes roughness vary, what back faces have of it. 'COVERAGE' (default): classes of
     roughness, each with the part that it covers of what a lobe reaches, for transports 'BUNDLE', 'PAPER' and

@@ -10,7 +10,10 @@ namespace verglas {
 // whose interfaces refract sharply.
 enum class Transport { Bundle, Paper, Single, DepthMip, Specular };
 enum class Intersection { Newton, March };
-enum class Tir : int { None, Incident, Clamp };  // as TIR_* of shaders/lib/constants.glsl
+// What becomes of rays beyond the critical angle: as TIR_* of shaders/lib/constants.glsl; Bounce
+// (Transport::Bundle and Intersection::Newton, else as Clamp) follows all that is reflected inside, as
+// shaders/bounce.glsl does it.
+enum class Tir : int { None, Incident, Clamp, Bounce };
 
 // Roughness of the back faces where a texture makes it vary: the texture's mean, or classes of roughness by
 // the part of the back that each covers (de Rousiers et al. 2012, section 5.1), for the first three ways.

@@ -25,11 +25,6 @@ namespace {
 constexpr float split_weight = 0.08F;   // reflected and refracted light are both followed above it
 constexpr float least_weight = 0.004F;  // the greater of the two is followed above it
 
-// Light that is followed no further inside the glass leaves it after more interfaces, wherever to: it is
-// taken from nearly everywhere, less what these keep. Both measured on the same scenes, where they are flat.
-constexpr float cut_spread = 0.8F;
-constexpr float cut_share = 0.7F;
-
 // Drawn branches with less light than this are followed by chance, and then stand for as much.
 constexpr float least_drawn_weight = 0.02F;
 constexpr int max_drawn_interfaces = 64;  // longer paths end, as the path tracer's
@@ -392,7 +387,8 @@ glm::vec3 BundleTracer::cut_off(const Meeting& meeting, const Branch& branch) co
     const glm::vec3& d = branch.lobe.direction;
     const float spread = divergence(meeting, branch).spread();
     if (branch.reflected == meeting.entering) return branch.weight * scene_.incoming_radiance(d, spread);
-    return cut_share * branch.weight * scene_.incoming_radiance(d, std::max(spread, cut_spread));
+    return model::CUT_SHARE * branch.weight *
+           scene_.incoming_radiance(d, std::max(spread, model::CUT_SPREAD));
 }
 
 }  // namespace verglas

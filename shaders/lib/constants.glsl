@@ -12,4 +12,4 @@ const int NDF_BLINN_PHONG = 2;
 // What becomes of rays beyond the critical angle (de Rousiers et al. 2012, Fig. 18).
 const int TIR_NONE = 0;
 const int TIR_INCIDENT = 1;
-const int TIR_CLAMP = 2;
+const int TIR_CLAMP = 2;  // also where 3, bounce, can't be had (shaders/bounce.glsl)

@@ -38,15 +38,20 @@ def flat_faces(name, corners, uvs=None, slots=None):
     return verglas.Mesh(name, corners.reshape(-1, 3), normals, quads.reshape(-1, 3), slots, uvs)
 
 
-def cube(name="Cube"):
-    """From -1 to 1."""
+def cube_faces():
+    """Of a cube from -1 to 1, as flat_faces takes them: (6, 4, 3)."""
     faces = []
     for axis in range(3):
         for sign in (-1, 1):
             side, up = np.roll(np.eye(3), axis, axis=1)[1:] * [[sign], [1]]
             out = np.cross(side, up)
             faces.append([out - side - up, out + side - up, out + side + up, out - side + up])
-    return flat_faces(name, faces)
+    return faces
+
+
+def cube(name="Cube", uvs=None):
+    """From -1 to 1."""
+    return flat_faces(name, cube_faces(), uvs)
 
 
 def camera(distance=4.0, focal=2.5):

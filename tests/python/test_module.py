@@ -107,7 +107,7 @@ def test_every_way_through_the_object(renderer, glass_sphere, transport, interse
     assert np.abs(frame.combined - usual).mean() < 0.03
 
 
-@pytest.mark.parametrize("tir", ["NONE", "INCIDENT", "CLAMP"])
+@pytest.mark.parametrize("tir", ["NONE", "INCIDENT", "CLAMP", "BOUNCE"])
 def test_total_internal_reflection_modes(renderer, glass_sphere, tir):
     """A user loses: the choice of what becomes of total internal reflection; none is the darkest."""
     dropped = renderer.render(glass_sphere, settings_of(tir="NONE")).combined.mean()
@@ -117,12 +117,13 @@ def test_total_internal_reflection_modes(renderer, glass_sphere, tir):
 @pytest.mark.parametrize("roughness", [0.0, 1.0])
 @pytest.mark.parametrize("ior", [0.2, 0.75, 1.0, 1.5, 3.5])
 @pytest.mark.parametrize("ndf", ["BECKMANN", "GGX", "BLINN_PHONG"])
-def test_extreme_materials_stay_finite(renderer, roughness, ior, ndf):
+@pytest.mark.parametrize("tir", ["CLAMP", "BOUNCE"])
+def test_extreme_materials_stay_finite(renderer, roughness, ior, ndf, tir):
     """A user loses: sliders that may be drawn to their ends without black or burnt-out pixels."""
     material = verglas.Material("Extreme")
     material.roughness, material.ior, material.ndf = roughness, ior, ndf
     scene = scene_of(("Sphere", sphere(), np.eye(4)), material=material)
-    picture = renderer.render(scene, settings_of()).combined
+    picture = renderer.render(scene, settings_of(tir=tir)).combined
     assert np.isfinite(picture).all() and picture.min() >= 0 and picture.max() <= 1.05
 
 
