@@ -105,6 +105,10 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
             ('NONE', "None", "It is lost"),
             ('INCIDENT', "Incident", "It goes on unrefracted"),
             ('CLAMP', "Clamp", "It leaves along the surface"),
+            ('BOUNCE', "Bounce",
+             "It is followed to where it leaves next, three times, and so is what is reflected in part; the "
+             "closest to the truth, above all in facets and necks, and the slowest. For Bundle with Newton; "
+             "else as Clamp"),
         ),
         default='CLAMP',
     )

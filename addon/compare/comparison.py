@@ -10,7 +10,7 @@ from .. import verglas_core as core
 from ..faults import Fault
 from . import blur, metrics
 from .measured import Measured, Rendered
-from .methods import METHODS, PATH_TRACED, REAL_TIME, TRACED, Conditions, Picture, Subject
+from .methods import DEFAULT, METHODS, PATH_TRACED, REAL_TIME, TRACED, Conditions, Picture, Subject
 from .notes import explain, explain_cost
 from .progress import Progress
 from .truth import FIRST_SAMPLES, MAX_SAMPLES, NOISE_TO_ERROR, Truth
@@ -22,7 +22,7 @@ METHOD_SEEDS = (1_000_000, 1_000_001)
 @dataclass(frozen=True)
 class Options:
     """What is compared, and how."""
-    methods: tuple[str, ...] = REAL_TIME
+    methods: tuple[str, ...] = DEFAULT
     truth: str = "reference"
     paths: str = 'full'
     tir: bool = False
@@ -97,6 +97,9 @@ def _notes_on_what_is_missing(methods: dict[str, Measured], options: Options) ->
     if TRACED in methods and options.paths != 'full' and options.tir:
         notes.append("traced can't follow totally reflected light where it counts two interfaces: its error "
                      "holds what the truth has of it.")
+    if "tir_bounce" in methods and options.paths != 'full':
+        notes.append("tir_bounce follows light that is reflected inside in part, too: its error holds what "
+                     "the truth doesn't have of it.")
     if options.paths != 'full':
         notes += [f"{method} can't leave paths out: its error holds all the light that the truth, of "
                   f"{options.paths} paths, doesn't have."

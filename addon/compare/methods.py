@@ -31,7 +31,13 @@ BASELINES = ("paper", "single", "depth_mip", "specular")
 SCREEN_SPACE = ("bundle", *BASELINES)
 """Verglas' OpenGL device, by its ways to cross the object: core.Settings.transport in lower case."""
 
-REAL_TIME = ("bundle", TRACED, *BASELINES)
+DEFAULT = ("bundle", TRACED, *BASELINES)
+"""What is compared unless one chooses."""
+
+TIR_MODES = {"tir_none": 'NONE', "tir_incident": 'INCIDENT', "tir_clamp": 'CLAMP', "tir_bounce": 'BOUNCE'}
+"""bundle with another mode of total internal reflection than the file's: core.Settings.tir."""
+
+REAL_TIME = (*DEFAULT, *TIR_MODES)
 
 PATH_TRACED = ("reference", "cycles", "cycles_denoised")
 """Methods with noise, which falls with their samples."""
@@ -128,6 +134,9 @@ class Subject:
             result.paths = 'TWO_INTERFACE'
             if not conditions.tir:
                 result.tir = 'NONE'
+        if method in TIR_MODES:
+            result.transport = 'BUNDLE'
+            result.tir = TIR_MODES[method]
         return result
 
     def real_time(self, method: str, repeats: int = 5, **overrides) -> Picture:

@@ -28,8 +28,8 @@ KINDS = {
     "hidden": "where the refracted ray leaves through a back between others on the line of sight, or outside "
               "of the picture (the method knows the nearest and the farthest back of a pixel)",
     "again": "where the refracted ray meets glass again after leaving (the method ends there)",
-    "total": "where the refracted ray meets the back beyond the critical angle (the method has no inner "
-             "reflections)",
+    "total": "where the refracted ray meets the back beyond the critical angle (the method follows "
+             "inner reflections in mode bounce alone, and three of them)",
     "divided": "where some of the four rays around the refracted one have no exit that lets light out or "
                "that the camera sees (the method has four rays for the whole lobe)",
     "grazing": "seen at more than 70 degrees from the normal, where the horizon cuts the refracted lobe off "

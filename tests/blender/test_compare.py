@@ -163,6 +163,16 @@ def test_real_time_picture_is_that_of_a_final_frame(glass):
     assert picture.samples == 2 and picture.seconds > 0.0 and picture.pass_seconds["refraction"] > 0.0
 
 
+def test_modes_of_total_internal_reflection(glass):
+    """The modes would show one and the same picture, or the file's mode and transport."""
+    subject = methods.Subject(glass, SMALL, pytest.fail)
+    shown = [subject.real_time("bundle", 1, tir=tir).pixels for tir in methods.TIR_MODES.values()]
+    glass.verglas.transport, glass.verglas.tir = 'SINGLE', 'INCIDENT'
+    for method, expected in zip(methods.TIR_MODES, shown):
+        assert np.array_equal(subject.real_time(method, 1).pixels, expected)
+    assert not any(np.array_equal(a, b) for a, b in zip(shown, shown[1:]))
+
+
 def test_cycles_shows_the_same(glass):
     """Cycles as truth or method would show another picture: turned, of another size or filter, or clamped;
     and the user's settings would be gone afterwards."""

@@ -113,6 +113,24 @@ def test_full_glass(model, bound, roughness, distribution):
     assert found <= bound
 
 
+@pytest.mark.parametrize("model", ["monkey", "bottle", "gem"])
+def test_inner_reflections_in_screen_space(model):
+    """The mode Bounce would cost time and be no closer to glass than the other modes, or the traced device,
+    which knows all of the surface, not clearly closer."""
+    methods = ("tir_none", "tir_incident", "tir_clamp", "tir_bounce", "traced")
+    found = {method: [] for method in methods}
+    for roughness in (0.25, 0.55):
+        judged = subject(glass(model, roughness, 'BECKMANN'), 128, samples=16)
+        true = truth(judged, "reference", REFERENCE_SAMPLES)
+        for method in methods:
+            found[method].append(error(judged.real_time(method, 1), true))
+    print(f"{model}, roughness 0.25 and 0.55: relative MSE",
+          {method: [round(value, 4) for value in values] for method, values in found.items()})
+    none, incident, clamp, bounce, traced = (np.mean(values) for values in found.values())
+    assert bounce < min(none, incident, clamp)
+    assert traced <= 0.5 * bounce
+
+
 @pytest.mark.parametrize("model", ["gem", "bottle"])
 def test_more_samples_come_closer(model):
     """An artist who waits would wait in vain, or longer than for Cycles."""
