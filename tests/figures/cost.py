@@ -66,12 +66,8 @@ def _milliseconds(frame: Picture) -> Row:
 def _draw(table: list[tuple[str, ...]], rows: list[Row]) -> plt.Figure:
     """The table, and below it a stacked bar for each model and method."""
     picture, (top, ax) = layout.plots(2, 1, height_ratios=(1.0, 2.6), figsize=(7.2, 7.2))
+    layout.table(top.inset_axes((-0.22, 0.0, 1.22, 1.0)), table, COLUMNS)
     top.axis('off')
-    cells = top.table(table, colLabels=COLUMNS, colLoc='right', cellLoc='right', edges='horizontal',
-                      bbox=(-0.22, 0.0, 1.22, 1.0))
-    cells.auto_set_font_size(False)
-    for cell in cells.get_celld().values():
-        cell.set_linewidth(0.4)
 
     frames = [row for row in rows if row["method"] in METHODS]
     places = [i + 0.6 * (i // len(METHODS)) for i in range(len(frames))]

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures side by side, by matplotlib; lengths in inches."""
 
+from collections.abc import Sequence
+
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
@@ -45,6 +47,17 @@ def axes_at(picture: plt.Figure, left: float, bottom: float, width: float, heigh
     """Further axes in a sheet."""
     across, up = picture.get_size_inches()
     return picture.add_axes([left / across, bottom / up, width / across, height / up])
+
+
+def table(ax: plt.Axes, lines: Sequence[Sequence[str]], columns: Sequence[str],
+          names: Sequence[str] | None = None) -> None:
+    """A table of cells in place of axes; columns, names: of the columns and lines."""
+    ax.axis('off')
+    cells = ax.table(lines, colLabels=columns, rowLabels=names, colLoc='right', cellLoc='right',
+                     edges='horizontal', bbox=(0.0, 0.0, 1.0, 1.0))
+    cells.auto_set_font_size(False)
+    for cell in cells.get_celld().values():
+        cell.set_linewidth(0.4)
 
 
 def show(ax: plt.Axes, pixels: np.ndarray, title: str = "") -> None:

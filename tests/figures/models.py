@@ -56,6 +56,7 @@ class Model:
 
 
 _PARK = World("park", "rooitou_park_1k.exr", 160.0)
+FOREST = World("forest", "forest.exr", 0.0)
 
 MODELS = {model.name: model for model in (
     Model("sphere", _PARK, lens=58.0),
@@ -76,6 +77,11 @@ SPOTS_SCALE = 2.5
 def roughness_of(exponent: float) -> float:
     """Blender's roughness for a Blinn-Phong exponent: 2 / roughness^4 - 2."""
     return (2.0 / (exponent + 2.0)) ** 0.25
+
+
+def exponent_of(roughness: float) -> float:
+    """Its inverse."""
+    return 2.0 / roughness ** 4 - 2.0
 
 
 def about(*models: Model) -> str:

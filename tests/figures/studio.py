@@ -49,6 +49,10 @@ class Studio:
         self._truths: dict[Case, Truth] = {}
         self._warnings: set[str] = set()
 
+    def of_size(self, size: int) -> "Studio":
+        """Another one, for pictures of another size."""
+        return Studio(size, self.quick, self.progress)
+
     @property
     def device(self) -> str:
         """What renders by OpenGL, by its driver's name."""

@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Figures 17 and 18: ways to cross the object, and what becomes of total internal reflection."""
 
-import numpy as np
+import statistics
+
+import matplotlib.pyplot as plt
 
 from . import layout
 from .figure import Figure, Row
-from .models import MODELS, about
+from .models import FOREST, MODELS, Model, about, exponent_of
+from .patterns import SMOOTH
 from .studio import Case, Studio
 
 EXPONENT = 24.0
 
-TIR_MODES = {"NONE": "None", "INCIDENT": "Incident", "CLAMP": "Clamp"}
+TIR_METHODS = {
+    **{mode.title(): ("bundle", {"tir": mode}) for mode in ('NONE', 'INCIDENT', 'CLAMP', 'BOUNCE')},
+    "Traced": ("traced", {}),
+}
+"""Methods and what of core.Settings is to differ for them, by title."""
 
 
 def figure_17(studio: Studio) -> Figure:
@@ -34,36 +41,41 @@ def figure_17(studio: Studio) -> Figure:
 
 
 def figure_18(studio: Studio) -> Figure:
-    case = Case(MODELS["bunny"], EXPONENT, tir=True)
-    picture, axes = layout.sheet(2, 4)
+    case = Case(MODELS["monkey"], SMOOTH, tir=True, paths='full', rough_exponent=3.4)
+    picture, axes = layout.sheet(2, 3, below=1.7)
     rows = []
-    for ax, (tir, name) in zip(axes[0], TIR_MODES.items()):
-        pixels = studio.picture(case, "bundle", tir=tir)
-        rows.append({"tir": tir, **studio.errors(case, "bundle", pixels)})
-        layout.show(ax, pixels, f"{name}: relative MSE {rows[-1]['relmse']:.4f}")
+    for ax, (name, (method, overrides)) in zip(axes.flat, TIR_METHODS.items()):
+        pixels = studio.picture(case, method, **overrides)
+        rows.append({**overrides, **studio.errors(case, method, pixels)})
+        layout.show(ax, pixels, f"{name}: relative MSE {rows[-1]['relmse_net']:.4f}")
     truth = studio.truth(case)
-    layout.show(axes[0, 3], truth.pixels, f"Ground truth, {truth.samples} samples")
-    rows += _all_light(studio, axes[1])
+    layout.show(axes[1, 2], truth.pixels, f"Ground truth, {truth.samples} samples")
+    across = picture.get_size_inches()[0]
+    table = layout.axes_at(picture, 0.9, 0.1, across - 1.0, 1.5)
+    rows += _table_of_tir(studio.of_size(studio.size // 2), table)
     caption = (
-        "Above: what becomes of totally reflected light with bundle: it is lost (none), goes on along its "
-        "incident direction (incident), or is refracted as at the critical angle (clamp); and the truth, "
-        "which follows it, without any other reflection. Below: all light, with reflections in front and "
-        "inside, by bundle, which has those in front, and traced, which follows those inside, too. "
-        f"Blinn-Phong exponent {EXPONENT:g} everywhere: the paper's two roughnesses wait for "
-        "textures in the real-time renderer.")
+        "What becomes of light that is reflected inside: with bundle, what is totally reflected is lost "
+        "(none), goes on along its incident direction (incident), or is refracted as at the critical angle "
+        "(clamp), or all that is reflected is followed to where it leaves next, three times, in what the "
+        "camera sees (bounce); traced follows it in the geometry itself. All light, spots with the "
+        f"Blinn-Phong exponent {case.rough_exponent:g} on glass with {case.exponent:g}. Below, pictures of "
+        f"half the size under the map {FOREST.name}, with one roughness each (in Blender's units), and their "
+        "mean. All without the part of the error that is the truth's noise.")
     return Figure("18", "Total internal reflection", caption + about(case.model), picture, rows)
 
 
-def _all_light(studio: Studio, axes: np.ndarray) -> list[Row]:
-    """The bunny by bundle, by traced with one sample and with many, and its truth."""
-    case = Case(MODELS["bunny"], EXPONENT, tir=True, paths='full')
-    shown = {"Bundle": ("bundle", {}), "Traced, 1 sample": ("traced", {"samples": 1}),
-             f"Traced, {studio.samples} samples": ("traced", {})}
-    rows = []
-    for ax, (name, (method, overrides)) in zip(axes, shown.items()):
-        pixels = studio.picture(case, method, **overrides)
-        rows.append({**overrides, **studio.errors(case, method, pixels)})
-        layout.show(ax, pixels, f"{name}: relative MSE {rows[-1]['relmse']:.4f}")
-    truth = studio.truth(case)
-    layout.show(axes[3], truth.pixels, f"Ground truth, {truth.samples} samples")
+def _table_of_tir(studio: Studio, ax: plt.Axes) -> list[Row]:
+    """A line for each of TIR_METHODS, a column for each model and roughness."""
+    models = [Model("monkey", FOREST, lens=MODELS["monkey"].lens), Model("bottle", FOREST, lens=50.0),
+              Model("gem", FOREST, lens=50.0)]
+    cases = {f"{model.name} {roughness:g}": Case(model, exponent_of(roughness), tir=True, paths='full')
+             for model in models for roughness in (0.25, 0.55)}
+    rows, lines = [], []
+    for method, overrides in TIR_METHODS.values():
+        made = [{**overrides, **studio.errors(case, method, studio.picture(case, method, **overrides))}
+                for case in cases.values()]
+        rows += made
+        errors = [row["relmse_net"] for row in made]
+        lines.append([f"{error:.4f}" for error in (*errors, statistics.fmean(errors))])
+    layout.table(ax, lines, (*cases, "mean"), list(TIR_METHODS))
     return rows
