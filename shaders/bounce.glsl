@@ -103,8 +103,6 @@ float roughness_of_exit(vec3 position, vec4 face, Material material) {
 // Of two lobes, one after the other: their mean resultant lengths 1 - spread multiply.
 float joined_spread(float a, float b) { return a + b - a * b; }
 
-float greatest(vec3 v) { return max(max(v.r, v.g), v.b); }
-
 // What an exit reflects inside of a ray; the energy is 0 where the material reflects nothing.
 Lobe inner_lobe(Arrival ray, Material material) {
     if (!has_fresnel(material)) return Lobe(0.0, 1.0, ray.d);

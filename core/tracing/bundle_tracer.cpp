@@ -54,7 +54,7 @@ glm::vec2 turned_azimuth(int ray, glm::ivec2 pixel) {
     return {std::cos(angle), std::sin(angle)};
 }
 
-float greatest(const glm::vec3& v) { return std::max({v.x, v.y, v.z}); }
+using model::greatest;
 
 // The direction, bent to leave to the side of the triangle that a normal shows to: interpolated normals may
 // send it to the other.
@@ -108,6 +108,7 @@ struct BundleTracer::Meeting {
     float eta;
 
     glm::vec3 side(const Branch& branch) const;  // the triangle's normal, to where the branch goes
+    bool is_front_refraction(const Branch& branch) const;
 };
 
 // What an interface makes of a beam.
@@ -120,6 +121,11 @@ struct BundleTracer::Branch {
 
 glm::vec3 BundleTracer::Meeting::side(const Branch& branch) const {
     return branch.reflected == entering ? hit.geometric_normal : -hit.geometric_normal;
+}
+
+// Whether the bundle's rays stand for the branch.
+bool BundleTracer::Meeting::is_front_refraction(const Branch& branch) const {
+    return beam.interfaces == 0 && !branch.reflected;
 }
 
 // Beams that have crossed the same number of interfaces.
@@ -252,7 +258,7 @@ void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool
     const bool is_followed = weight >= split_weight || (is_greater && weight >= least_weight);
     if (!is_followed || beam.interfaces >= settings_.max_interfaces)
         meeting.radiance += cut_off(meeting, branch);
-    else if (beam.interfaces == 0 && !branch.reflected && branch.lobe.spread >= least_bundle_spread)
+    else if (meeting.is_front_refraction(branch) && branch.lobe.spread >= least_bundle_spread)
         split(meeting, branch, next);
     else
         follow(meeting, branch, next);
@@ -302,22 +308,20 @@ void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& nex
 // Directions from the microfacets: four of the front's refraction, else one.
 void BundleTracer::draw(const Meeting& meeting, const Branch& branch, Wave& next) const {
     Beam outgoing = meeting.beam;
-    const int rays = outgoing.interfaces == 0 && !branch.reflected ? model::BUNDLE_RAYS : 1;
-    outgoing.weight /= static_cast<float>(rays);
-    for (int i = 0; i < rays; ++i) {
-        if (rays > 1) outgoing.number = i;
+    if (!meeting.is_front_refraction(branch)) return draw_ray(meeting, branch, outgoing, next);
+    outgoing.weight /= static_cast<float>(model::BUNDLE_RAYS);
+    for (outgoing.number = 0; outgoing.number < model::BUNDLE_RAYS; ++outgoing.number)
         draw_ray(meeting, branch, outgoing, next);
-    }
 }
 
 void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const {
     const SobolPoint point =
         SobolPoint(pixel_number(outgoing.pixel, settings_), static_cast<std::uint32_t>(sample_), 0)
             .part(static_cast<std::uint32_t>(outgoing.number), model::BUNDLE_RAYS);
-    const bool is_front = outgoing.interfaces == 0;
-    const int dimension = is_front ? front_dimension
-                                   : first_inner_dimension + (outgoing.interfaces - 1) * inner_dimensions +
-                                         (branch.reflected ? reflection_dimension : 0);
+    const int dimension = outgoing.interfaces == 0
+                              ? front_dimension
+                              : first_inner_dimension + (outgoing.interfaces - 1) * inner_dimensions +
+                                    (branch.reflected ? reflection_dimension : 0);
     const float alpha = facet_alpha(meeting.roughness);
     const RoughInterface surface(meeting.material.ndf, alpha, meeting.eta, meeting.material.fresnel,
                                  Reflected::All);
@@ -329,11 +333,11 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
     // The side of the interpolated normal must be the triangle's.
     if (glm::dot(outgoing.ray.d, meeting.side(branch)) <= 0.0F) return;
     outgoing.weight *= facet->weight * branch.color;
-    if (!is_front || branch.reflected) {
-        // By what was drawn: the lobe's energy next to the critical angle says too little of it.
-        const float chance = greatest(outgoing.weight) / least_drawn_weight;
+    // By what was drawn: the lobe's energy next to the critical angle says too little of it.
+    const float chance = greatest(outgoing.weight) / least_drawn_weight;
+    if (chance < 1.0F && !meeting.is_front_refraction(branch)) {
         if (point[dimension + chance_dimension] >= chance) return;
-        outgoing.weight /= std::min(chance, 1.0F);
+        outgoing.weight /= chance;
     }
     const float drawn = drawn_part(sample_);
     outgoing.axis = glm::normalize(glm::mix(branch.lobe.direction, outgoing.ray.d, std::sqrt(drawn)));

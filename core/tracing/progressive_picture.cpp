@@ -241,8 +241,9 @@ ProgressivePicture::Estimate ProgressivePicture::estimate(glm::ivec2 pixel) cons
     float count = 0.0F;
     for_each_neighbour(pixel, window_reach, drawn_rect_, [&](glm::ivec2 other) {
         if (known(other).object != sum.object) return;
-        first += mean(known(other).mean_base());
-        drawn += mean(known(other).mean_base() + share * known(other).error);
+        const glm::vec3 base = known(other).mean_base();
+        first += mean(base);
+        drawn += mean(base + share * known(other).error);
         count += 1.0F;
     });
     const float light = mean(sum.mean_base());

@@ -139,6 +139,9 @@ const float CORE_WIDTH = (1.0f - TAIL_SHARE * TAIL_WIDTH) / (1.0f - TAIL_SHARE);
 // Spread of a lobe that is so many times as wide.
 SHARED float widened_spread(float spread, float width) { return clamp(width * spread, LOBE_MIN_SPREAD, 1.0f); }
 
+// Of light: by it is told whether rays that bring it are followed.
+SHARED float greatest(vec3 light) { return max(max(light.x, light.y), light.z); }
+
 // Light that is followed no further inside the glass leaves it after more interfaces, wherever to: it is taken from
 // nearly everywhere, less what these keep. Both measured on path-traced spheres, monkeys, bottles and gems of roughness
 // 0.25 and 0.55, where they are flat.
