@@ -26,13 +26,13 @@ double seconds_since(Clock::time_point begin) {
 }
 
 // Neighbouring rays visit the same nodes of the trees; larger tiles leave threads idle at the end.
-constexpr int tile_size = 16;
+constexpr int tile_size = 8;
 
 // Tiles of the last step look at pixels around them, for each tile again.
 constexpr int resolved_tile_size = 64;
 
 // Between two calls of progress.
-constexpr double progress_seconds = 0.02;
+constexpr double progress_seconds = 0.01;
 
 std::vector<Rect> tiles_of(const Rect& rect, int size) {
     std::vector<Rect> tiles;
