@@ -174,10 +174,16 @@ void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {
     }
 }
 
-BundleTracer::Sight BundleTracer::look(glm::vec2 place) const {
-    const Ray ray = camera_.through(place);
-    const auto hit = scene_.rays().intersect(ray.origin, ray.d);
-    return hit ? Sight{hit->object, glm::vec3(0.0F)} : Sight{-1, background(ray.d)};
+void BundleTracer::look(std::span<const glm::vec2> places, std::span<Sight> sights) const {
+    thread_local std::vector<Ray> rays;
+    thread_local std::vector<Hit> hits;
+    rays.clear();
+    for (const glm::vec2& place : places) rays.push_back(camera_.through(place));
+    hits.resize(rays.size());
+    scene_.rays().intersect(rays, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        sights[i] =
+            hits[i].object >= 0 ? Sight{hits[i].object, glm::vec3(0.0F)} : Sight{-1, background(rays[i].d)};
 }
 
 void BundleTracer::start(const Rect& tile, TracedPicture& picture, Wave& wave) const {

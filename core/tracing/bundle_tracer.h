@@ -7,6 +7,7 @@
 
 #include <glm/glm.hpp>
 #include <memory>
+#include <span>
 
 #include "core/scene/settings.h"
 #include "core/tracing/camera_rays.h"
@@ -55,12 +56,12 @@ class BundleTracer {
     // Fills a part of the picture, which must lie within its region. By many threads at once.
     void trace(const Rect& tile, TracedPicture& picture) const;
 
-    // What the camera sees through a place of the frame, in pixels from its lower left corner.
+    // What the camera sees through places of the frame, in pixels from its lower left corner.
     struct Sight {
         int object;            // -1 where nothing is
         glm::vec3 background;  // where nothing is
     };
-    Sight look(glm::vec2 place) const;
+    void look(std::span<const glm::vec2> places, std::span<Sight> sights) const;
 
   private:
     struct Beam;

@@ -2,6 +2,7 @@
 #include "core/tracing/progressive_picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/math/pixel_filter.h"
@@ -10,7 +11,7 @@
 namespace verglas {
 namespace {
 
-// Looks through each pixel at an object's edge before the first drawn sample; these only need a ray.
+// Looks through each pixel at an object's edge; these only need a ray.
 constexpr int looks_ahead = 16;
 
 // The window's pixels to each side. Of 1 to 4, least error on monkey, sphere and bottle from 1 to 256
@@ -45,7 +46,9 @@ Rect grown(const Rect& rect, int margin, glm::ivec2 frame) {
 }
 
 // Whole pixels that sample_offset() reaches to each side.
-int filter_reach(const Settings& settings) { return static_cast<int>(std::round(settings.filter_width)); }
+int filter_reach(const Settings& settings) {
+    return std::max(static_cast<int>(std::ceil(settings.filter_width - 0.5F)), 0);
+}
 
 template <typename Work>
 void for_each_pixel(const Rect& rect, Work work) {
@@ -113,13 +116,13 @@ ProgressivePicture::ProgressivePicture(const Rect& rect, const Settings& setting
       rect_(rect),
       drawn_rect_(settings.samples > 1 ? grown(rect, surroundings_reach + 2 * window_reach, settings.size)
                                        : rect),
-      first_(grown(drawn_rect_, settings.samples > 1 ? filter_reach(settings) + 2 : 1, settings.size)),
+      reach_(filter_reach(settings)),
+      first_(grown(drawn_rect_, reach_ + 2, settings.size)),
       averaged_(std::make_unique_for_overwrite<glm::vec3[]>(first_.pixels)) {
     if (settings.samples == 1) return;
     pixels_ =
         std::make_unique_for_overwrite<Pixel[]>(std::size_t(drawn_rect_.size().x) * drawn_rect_.size().y);
-    const int reach = filter_reach(settings);
-    for (int i = -reach; i <= reach; ++i)
+    for (int i = -reach_; i <= reach_; ++i)
         kernel_.push_back(blackman_harris_share(static_cast<float>(i) - 0.5F, static_cast<float>(i) + 0.5F,
                                                 settings.filter_width));
 }
@@ -140,37 +143,61 @@ void ProgressivePicture::prepare(const Rect& tile, const BundleTracer& tracer) {
             result.base = shown(pixel);
             result.looks = 1;
         } else {
-            result.base = filtered(pixel);
+            result.base = glm::mix(shown(pixel), filtered(pixel), filtered_part());
             result.covered = 1.0F;
         }
     });
 }
 
+void ProgressivePicture::resolve_first(const Rect& tile, const BundleTracer& tracer, Frame& frame) const {
+    for_each_pixel(tile, [&](glm::ivec2 pixel) {
+        if (!is_edge(pixel))
+            return resolve_pixel(pixel, shown(pixel), surface(pixel).object >= 0 ? 1.0F : 0.0F, frame);
+        Pixel edge{};
+        edge.object = surface(pixel).object;
+        look_through(pixel, tracer, edge);
+        resolve_pixel(pixel, edge.mean_base(), edge.mean_covered(), frame);
+    });
+}
+
 bool ProgressivePicture::is_edge(glm::ivec2 pixel) const {
-    bool found = false;
-    for_each_neighbour(pixel, filter_reach(settings_), first_.rect,
-                       [&](glm::ivec2 other) { found |= surface(other).object != surface(pixel).object; });
-    return found;
+    const int object = surface(pixel).object;
+    const Rect around = Rect{pixel - reach_, pixel + reach_ + 1}.intersected(first_.rect);
+    for (int y = around.begin.y; y < around.end.y; ++y) {
+        const Surface* row = &surface({around.begin.x, y});
+        for (int i = 0; i < around.size().x; ++i)
+            if (row[i].object != object) return true;
+    }
+    return false;
 }
 
 void ProgressivePicture::look_through(glm::ivec2 pixel, const BundleTracer& tracer, Pixel& result) const {
-    for (int sample = 1; sample <= looks_ahead; ++sample) {
-        const glm::vec2 at = glm::vec2(pixel) + 0.5F + sample_offset(pixel, sample, settings_);
-        const BundleTracer::Sight sight = tracer.look(at);
-        if (result.object < 0) result.object = sight.object;
-        result.covered += sight.object >= 0 ? 1.0F : 0.0F;
-        result.base += sight.object >= 0 ? seen(at, sight.object, glm::vec3(0.0F)) : sight.background;
+    std::array<glm::vec2, looks_ahead> places;
+    for (int i = 0; i < looks_ahead; ++i)
+        places[i] = glm::vec2(pixel) + 0.5F + sample_offset(pixel, i + 1, settings_);
+    std::array<BundleTracer::Sight, looks_ahead> sights;
+    tracer.look(places, sights);
+    for (int i = 0; i < looks_ahead; ++i) {
+        const auto& [object, background] = sights[i];
+        if (result.object < 0) result.object = object;
+        result.covered += object >= 0 ? 1.0F : 0.0F;
+        result.base += object >= 0 ? seen(places[i], object, glm::vec3(0.0F)) : background;
     }
     result.looks = result.looks_ahead = looks_ahead;
 }
 
+// How much of the pixel filter the first sample passes inside of objects: it is smooth already, and with the
+// filter farther from the truth by itself, but what the mean of many drawn samples is compared with needs it.
+float ProgressivePicture::filtered_part() const {
+    return 1.0F - 1.0F / static_cast<float>(settings_.samples);
+}
+
 // What the pixel filter makes of the first sample.
 glm::vec3 ProgressivePicture::filtered(glm::ivec2 pixel) const {
-    const int reach = filter_reach(settings_);
     glm::vec3 sum(0.0F);
     float weights = 0.0F;
-    for_each_neighbour(pixel, reach, first_.rect, [&](glm::ivec2 other) {
-        const glm::ivec2 offset = other - pixel + reach;
+    for_each_neighbour(pixel, reach_, first_.rect, [&](glm::ivec2 other) {
+        const glm::ivec2 offset = other - pixel + reach_;
         const float weight = kernel_[offset.x] * kernel_[offset.y];
         sum += weight * shown(other);
         weights += weight;
@@ -213,24 +240,20 @@ void ProgressivePicture::add(const Rect& tile, const TracedPicture& drawn, int s
 }
 
 void ProgressivePicture::resolve(const Rect& tile, Frame& frame) const {
-    const auto resolve_pixel = [&](glm::ivec2 pixel, const glm::vec3& radiance, float covered) {
-        const std::size_t place = rect_.place(pixel);
-        frame.combined[place] = glm::vec4(radiance, settings_.transparent ? covered : 1.0F);
-        frame.normal_depth[place] = glm::vec4(surface(pixel).normal, surface(pixel).depth);
-    };
-    if (settings_.samples == 1) {
-        for_each_pixel(tile, [&](glm::ivec2 pixel) {
-            resolve_pixel(pixel, shown(pixel), surface(pixel).object >= 0 ? 1.0F : 0.0F);
-        });
-        return;
-    }
     const Rect around = grown(tile, surroundings_reach, settings_.size);
     const Raster<Estimate> estimates(grown(around, window_reach, settings_.size),
                                      [&](glm::ivec2 pixel) { return estimate(pixel); });
     const Raster<Window> windows(around, [&](glm::ivec2 pixel) { return window(pixel, estimates); });
     for_each_pixel(tile, [&](glm::ivec2 pixel) {
-        resolve_pixel(pixel, corrected(pixel, estimates, windows), known(pixel).mean_covered());
+        resolve_pixel(pixel, corrected(pixel, estimates, windows), known(pixel).mean_covered(), frame);
     });
+}
+
+void ProgressivePicture::resolve_pixel(glm::ivec2 pixel, const glm::vec3& radiance, float covered,
+                                       Frame& frame) const {
+    const std::size_t place = rect_.place(pixel);
+    frame.combined[place] = glm::vec4(radiance, settings_.transparent ? covered : 1.0F);
+    frame.normal_depth[place] = glm::vec4(surface(pixel).normal, surface(pixel).depth);
 }
 
 ProgressivePicture::Estimate ProgressivePicture::estimate(glm::ivec2 pixel) const {

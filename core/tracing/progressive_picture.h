@@ -31,14 +31,17 @@ class ProgressivePicture {
     TracedPicture& first() { return first_; }
     void average(const Rect& tile);
 
-    // What drawn samples are compared with, over drawn_rect(). Looks through edges of objects, which are then
-    // smooth after few samples; tracer: of the first one.
+    // If it is the only one: fills a frame that has the pixels of rect(). Looks through edges of objects,
+    // which are then smooth; tracer: of this sample.
+    void resolve_first(const Rect& tile, const BundleTracer& tracer, Frame& frame) const;
+
+    // Else: what drawn samples are compared with, over drawn_rect(); edges are smooth in it, too.
     void prepare(const Rect& tile, const BundleTracer& tracer);
 
     // Drawn sample `sample`, from 1 in a row, over drawn_rect().
     void add(const Rect& tile, const TracedPicture& drawn, int sample);
 
-    // After all of Settings::samples, over rect(): fills a frame that has these pixels.
+    // After all of Settings::samples, over rect(): fills such a frame.
     void resolve(const Rect& tile, Frame& frame) const;
 
   private:
@@ -66,17 +69,20 @@ class ProgressivePicture {
     glm::vec3 seen(glm::vec2 place, int object, const glm::vec3& otherwise) const;
     bool is_edge(glm::ivec2 pixel) const;
     void look_through(glm::ivec2 pixel, const BundleTracer& tracer, Pixel& result) const;
+    float filtered_part() const;
     glm::vec3 filtered(glm::ivec2 pixel) const;
     Estimate estimate(glm::ivec2 pixel) const;
     Window window(glm::ivec2 pixel, const Raster<Estimate>& estimates) const;
     Window surroundings(glm::ivec2 pixel, const Raster<Window>& windows) const;
     glm::vec3 corrected(glm::ivec2 pixel, const Raster<Estimate>& estimates,
                         const Raster<Window>& windows) const;
+    void resolve_pixel(glm::ivec2 pixel, const glm::vec3& radiance, float covered, Frame& frame) const;
     float drawn_samples() const { return static_cast<float>(settings_.samples - 1); }
 
     const Settings& settings_;
     Rect rect_;
     Rect drawn_rect_;
+    int reach_;  // of the pixel filter
     TracedPicture first_;
     std::unique_ptr<glm::vec3[]> averaged_;  // radiance, in the order of first_
     std::vector<float> kernel_;              // of offsets -reach … reach, in whole pixels, along one axis

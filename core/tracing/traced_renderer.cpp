@@ -115,18 +115,24 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
     const BundleTracer first(scene_, settings, 0);
     bool go_on = over(sum.first_rect(), [&](const Rect& tile) { first.trace(tile, sum.first()); }) &&
                  over(sum.first_rect(), [&](const Rect& tile) { sum.average(tile); });
-    if (go_on && settings.samples > 1)
-        go_on = over(sum.drawn_rect(), [&](const Rect& tile) { sum.prepare(tile, first); });
-    TracedPicture picture(settings.samples > 1 ? sum.drawn_rect() : Rect{});
-    for (sample = 1; go_on && sample < settings.samples; ++sample) {
-        const BundleTracer tracer(scene_, settings, sample);
-        go_on = over(sum.drawn_rect(), [&](const Rect& tile) {
-            tracer.trace(tile, picture);
-            sum.add(tile, picture, sample);
-        });
-    }
-    go_on = go_on && over(
-                         sum.rect(), [&](const Rect& tile) { sum.resolve(tile, frame); }, resolved_tile_size);
+    const auto draw_further = [&] {
+        bool drawn = over(sum.drawn_rect(), [&](const Rect& tile) { sum.prepare(tile, first); });
+        TracedPicture picture(sum.drawn_rect());
+        for (sample = 1; drawn && sample < settings.samples; ++sample) {
+            const BundleTracer tracer(scene_, settings, sample);
+            drawn = over(sum.drawn_rect(), [&](const Rect& tile) {
+                tracer.trace(tile, picture);
+                sum.add(tile, picture, sample);
+            });
+        }
+        return drawn &&
+               over(
+                   sum.rect(), [&](const Rect& tile) { sum.resolve(tile, frame); }, resolved_tile_size);
+    };
+    if (settings.samples == 1)
+        go_on = go_on && over(sum.rect(), [&](const Rect& tile) { sum.resolve_first(tile, first, frame); });
+    else
+        go_on = go_on && draw_further();
     if (!go_on) return std::nullopt;
     frame.seconds = seconds_since(begin);
     frame.prepare_seconds = scene_.seconds();
