@@ -55,7 +55,8 @@ void main() {
 
     float reach = kernel_reach(kappa);
     int band_count = textureSize(bands, 0).y;
-    for (int band = first_band(angle - acos(1.0 - reach)); band < band_count; ++band) {
+    int first = reach < 2.0 ? first_band(angle - acos(1.0 - reach)) : 0;
+    for (int band = first; band < band_count; ++band) {
         vec4 place = texelFetch(bands, ivec2(0, band), 0);
         vec4 from = texelFetch(bands, ivec2(1, band), 0);
         row = int(from.x);

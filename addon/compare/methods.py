@@ -204,7 +204,8 @@ class Subject:
             blend, path, report = (Path(folder) / name for name in ("eevee.blend", "eevee.exr", "eevee.json"))
             bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True, compress=False)
             command = [*_display(), bpy.app.binary_path, "--background", str(blend),
-                       "--python-exit-code", "1", "--python", str(EEVEE_SCRIPT), "--", str(path), str(report)]
+                       "--scene", self.scene.name, "--python-exit-code", "1",
+                       "--python", str(EEVEE_SCRIPT), "--", str(path), str(report)]
             done = subprocess.run(command, capture_output=True, text=True, errors="replace")
             if done.returncode != 0 or not path.is_file():
                 lines = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()

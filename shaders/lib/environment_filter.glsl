@@ -5,8 +5,9 @@
 //     void add_block(int block, float weight)    // block: from -blocks to 2 blocks, modulo the band's blocks
 
 // 1 - cos(gamma) at the kernel's end, where it has fallen to exp(-cut) of its peak. Wide kernels reach on, since dark
-// places may be lit by their tails alone, and are cheap.
-SHARED float kernel_reach(float kappa) { return min((kappa > 1000.0f ? 7.0f : 16.0f) / kappa, 2.0f); }
+// places may be lit by their tails alone, and are cheap. More than 2, the most there is, where the kernel covers the
+// sphere: its opposite point counts much then, and must not fall to rounding.
+SHARED float kernel_reach(float kappa) { return (kappa > 1000.0f ? 7.0f : 16.0f) / kappa; }
 
 // Adds what the target gathers from a band; false where the kernel doesn't reach it.
 // half_angle: sin(a / 2), cos(a / 2) of the target; place: sin(a' / 2), cos(a' / 2), solid angle of a block, number of

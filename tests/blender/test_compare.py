@@ -199,7 +199,8 @@ def test_eevee_without_a_display(glass, monkeypatch):
 
 @pytest.mark.slow
 def test_eevee(glass):
-    """EEVEE would be compared by a picture that isn't of this scene."""
+    """EEVEE would be compared by a picture that isn't of this scene, where another one is open."""
+    bpy.context.window.scene = bpy.data.scenes.new("Open")
     subject = methods.Subject(glass, SMALL, pytest.fail)
     picture = subject.eevee()
     reference = subject.reference(64).pixels
