@@ -167,9 +167,11 @@ class Subject:
         tracer = self.path_tracer(seed)
         return Picture.of(tracer) if tracer.render(samples, progress) else None
 
-    def cycles(self, samples: int, seed: int = 0, denoised: bool = False) -> Picture:
-        """By Cycles on the CPU, with all light, whatever the conditions' paths. Raises Fault where Cycles or
-        its denoiser isn't there, or fails."""
+    def cycles(self, samples: int, seed: int = 0, denoised: bool = False,
+               light_samples: bool = False) -> Picture:
+        """By Cycles on the CPU, with all light, whatever the conditions' paths. light_samples: draws directions
+        from the world's map, too, as by default, which makes rough GGX glass up to 8 % too bright in Blender
+        3.4; without, it is noisier. Raises Fault where Cycles or its denoiser isn't there, or fails."""
         if not hasattr(self.scene, "cycles"):
             raise Fault("Blender's Cycles add-on is switched off; switch it on in the preferences.")
         if denoised and not _has_denoiser():
@@ -178,7 +180,7 @@ class Subject:
         width = self.scene.verglas.filter_width
         with (self._engine('CYCLES'),
               changed(self.scene.cycles, **chosen, samples=samples, seed=seed, filter_width=width),
-              self._world_without_light_samples(), tempfile.TemporaryDirectory() as folder):
+              self._world_light_samples(light_samples), tempfile.TemporaryDirectory() as folder):
             start = time.perf_counter()
             try:
                 bpy.ops.render.render(scene=self.scene.name)
@@ -189,13 +191,11 @@ class Subject:
             bpy.data.images["Render Result"].save_render(str(path), scene=self.scene)
             return Picture(images.read_exr(path), seconds, samples=samples)
 
-    def _world_without_light_samples(self) -> contextlib.AbstractContextManager:
-        """Of Blender 3.4, Cycles is up to 8 % too bright behind rough GGX glass when it draws directions
-        from the world's map, as it does by default; without that it is only noisier."""
+    def _world_light_samples(self, drawn: bool) -> contextlib.AbstractContextManager:
         world = self.scene.world
         if world is None or not hasattr(world, "cycles"):
             return contextlib.nullcontext()
-        return changed(world.cycles, sampling_method='NONE')
+        return changed(world.cycles, sampling_method='AUTOMATIC' if drawn else 'NONE')
 
     def eevee(self) -> Picture:
         """By EEVEE with refraction and the file's other settings, in another Blender, as it needs a
