@@ -87,6 +87,7 @@ struct BundleTracer::Beam {
     glm::vec3 weight;       // of the radiance that it brings
     glm::vec3 axis;         // of the lobe that is looked up if the ray meets nothing more
     Divergence divergence;  // of that lobe, without the part that the bundle's rays stand for
+    float carried = 1.0F;   // part of it that the next interface keeps
     // Outward normal of the interface that it last left through; 0 if it was reflected since.
     glm::vec3 exit{0.0F};
     bool has_tail = false;  // the lobe of the last interface
@@ -299,14 +300,29 @@ void BundleTracer::follow(const Meeting& meeting, const Branch& branch, Wave& ne
     send(meeting, branch, outgoing, next);
 }
 
-// Rays in place of the lobe.
+// The part of the front lobe's variance that is left to each of its rays. Where they leave through glass as
+// rough as where they entered, none: its lobe is as wide as the ring of rays, and joins them. Clear glass
+// would show eight pictures of a window in a ring, and nothing in its middle; with half of the variance left,
+// the sum of the rays' lobes is as a Gaussian. Drawn rays are left less and less.
+float BundleTracer::left_part(float roughness) const {
+    constexpr float most = 0.5F;
+    const float ratio = facet_alpha(scene_.least_roughness()) / facet_alpha(roughness);
+    return most * (1.0F - std::min(ratio * ratio, 1.0F)) /
+           std::cbrt(static_cast<float>(std::max(sample_, 1)));
+}
+
+// Rays in place of the lobe, or of a part of its variance, which the rest of it blurs.
 void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& next) const {
     Beam outgoing = meeting.beam;
     outgoing.weight = branch.weight / static_cast<float>(first_rays);
+    const float left = left_part(meeting.roughness);
+    outgoing.divergence.widen(Divergence::of_lobe(left * branch.lobe.spread));
+    model::Lobe ring = branch.lobe;
+    ring.spread *= 1.0F - left;
     for (outgoing.number = 0; outgoing.number < first_rays; ++outgoing.number) {
         const glm::vec2 azimuth = turned_azimuth(outgoing.number, outgoing.pixel);
         outgoing.ray.d = outgoing.axis =
-            on_side(model::bundle_ray(branch.lobe, meeting.n, azimuth), meeting.side(branch));
+            on_side(model::bundle_ray(ring, meeting.n, azimuth), meeting.side(branch));
         send(meeting, branch, outgoing, next);
     }
 }
@@ -346,11 +362,21 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
         outgoing.weight /= chance;
     }
     const float drawn = drawn_part(sample_);
-    outgoing.axis = glm::normalize(glm::mix(branch.lobe.direction, outgoing.ray.d, std::sqrt(drawn)));
-    // The front's rays are enough to stand for its lobe.
-    const float carried = meeting.beam.interfaces > 1 ? carried_part(sample_) : 0.0F;
-    outgoing.divergence = turned(meeting.beam.divergence.part(carried), meeting, branch.reflected);
+    const float left = meeting.is_front_refraction(branch) ? left_part(meeting.roughness) : 0.0F;
+    const auto drawn_direction = [&](float part) {
+        return glm::normalize(glm::mix(branch.lobe.direction, outgoing.ray.d, std::sqrt(part)));
+    };
+    outgoing.axis = drawn_direction(drawn);
+    outgoing.divergence =
+        turned(meeting.beam.divergence.part(meeting.beam.carried), meeting, branch.reflected);
     outgoing.divergence.widen(Divergence::of_lobe((1.0F - drawn) * branch.lobe.spread));
+    // The front's rays are enough to stand for its lobe, but for what is left to them.
+    outgoing.carried = meeting.beam.interfaces > 0 ? carried_part(sample_) : 0.0F;
+    if (left > 0.0F) {
+        outgoing.ray.d = outgoing.axis = on_side(drawn_direction(1.0F - left), meeting.side(branch));
+        outgoing.divergence = Divergence::of_lobe(left * branch.lobe.spread);
+        outgoing.carried = 1.0F;
+    }
     send(meeting, branch, outgoing, next);
 }
 

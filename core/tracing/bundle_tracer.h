@@ -72,6 +72,7 @@ class BundleTracer {
     void start(const Rect& tile, TracedPicture& picture, Wave& wave) const;
     void meet(const Beam& incoming, const Hit& hit, TracedPicture& picture, Wave& next) const;
     void branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const;
+    float left_part(float roughness) const;
     Divergence turned(Divergence divergence, const Meeting& meeting, bool reflected) const;
     Divergence divergence(const Meeting& meeting, const Branch& branch) const;
     void follow(const Meeting& meeting, const Branch& branch, Wave& next) const;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/tracing/traced_scene.h"
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace verglas {
 namespace {
@@ -22,8 +24,26 @@ void TracedScene::update(const Scene& scene) {
     seconds_["meshes"] = seconds_of([&] { rays_.update(scene); });
     seconds_["tables"] = seconds_of([&] {
         if (tables_.update(scene.materials) || !lobes_) lobes_.emplace(tables_.slices());
+        update_roughness(scene.materials);
     });
     seconds_["environment"] = seconds_of([&] { update_environment(scene.environment_map); });
+}
+
+void TracedScene::update_roughness(const std::vector<Material>& materials) {
+    std::map<std::shared_ptr<const Texture>, float> least_values;
+    least_roughness_ = 1.0F;
+    for (const Material& material : materials) {
+        float least = material.roughness;
+        if (const auto& texture = material.roughness_texture) {
+            const auto known = least_values_.find(texture);
+            least = known != least_values_.end()
+                        ? known->second
+                        : *std::min_element(texture->values().begin(), texture->values().end());
+            least_values[texture] = least;
+        }
+        least_roughness_ = std::min(least_roughness_, std::clamp(least, 0.0F, 1.0F));
+    }
+    least_values_ = std::move(least_values);
 }
 
 void TracedScene::update_environment(const std::shared_ptr<const EnvironmentMap>& map) {

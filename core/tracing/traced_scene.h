@@ -29,6 +29,9 @@ class TracedScene {
     const model::LobeModel& lobes() const { return *lobes_; }
     const InterfaceTables& tables(int material, float eta) const { return tables_.tables(material, eta); }
 
+    // The least roughness of any material, 0 … 1.
+    float least_roughness() const { return least_roughness_; }
+
     // Light that arrives from outside under a lobe of the given spread about a unit direction in world space.
     glm::vec3 incoming_radiance(const glm::vec3& direction, float spread) const {
         return scene_->environment_color *
@@ -40,12 +43,15 @@ class TracedScene {
     const std::map<std::string, double>& seconds() const { return seconds_; }
 
   private:
+    void update_roughness(const std::vector<Material>& materials);
     void update_environment(const std::shared_ptr<const EnvironmentMap>& map);
 
     const Scene* scene_ = nullptr;
     RayScene rays_;
     TableSet tables_;
     std::optional<model::LobeModel> lobes_;
+    std::map<std::shared_ptr<const Texture>, float> least_values_;  // of textures of roughness
+    float least_roughness_ = 0.0F;
     std::shared_ptr<const EnvironmentMap> map_;
     std::optional<model::EnvironmentModel> environment_;
     std::map<std::string, double> seconds_;

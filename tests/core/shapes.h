@@ -49,11 +49,12 @@ inline std::shared_ptr<const Mesh> spheres(const std::vector<float>& radii, unsi
 // Radius 1, at the origin, smooth.
 inline std::shared_ptr<const Mesh> sphere() { return spheres({1.0F}); }
 
-// -1 … 1 in X and Y, and these Z.
+// -1 … 1 in X and Y, and these Z. A slot a face: -X, X, -Y, Y, bottom, top.
 inline std::shared_ptr<const Mesh> slab(float bottom, float top) {
     std::vector<glm::vec3> positions;
     std::vector<glm::vec3> normals;
     std::vector<glm::uvec3> triangles;
+    std::vector<std::uint16_t> slots;
     const glm::vec3 center(0.0F, 0.0F, 0.5F * (bottom + top));
     const glm::vec3 half(1.0F, 1.0F, 0.5F * (top - bottom));
     for (int axis = 0; axis < 3; ++axis) {
@@ -70,9 +71,10 @@ inline std::shared_ptr<const Mesh> slab(float bottom, float top) {
             }
             triangles.emplace_back(first, first + 1, first + 2);
             triangles.emplace_back(first, first + 2, first + 3);
+            slots.insert(slots.end(), 2, static_cast<std::uint16_t>(first / 4));
         }
     }
-    return std::make_shared<const Mesh>("Slab", positions, normals, triangles, std::vector<std::uint16_t>());
+    return std::make_shared<const Mesh>("Slab", positions, normals, triangles, slots);
 }
 
 }  // namespace verglas::shapes

@@ -401,6 +401,32 @@ Pair by_both_devices(float roughness, std::shared_ptr<const EnvironmentMap> map,
     return by_both_devices(scene, refraction_only(256), opengl_samples);
 }
 
+// A user loses: a window with one frosted side. Its clear side widens no ray of the bundle, and the sun
+// behind would be a ring of suns.
+TEST(TracedRenderer, FrostedFrontOfClearGlass) {
+    constexpr float frosted = 0.35F;
+    Scene scene = glass_sphere(frosted);
+    scene.materials.push_back(scene.materials[0]);
+    scene.materials[1].roughness = 0.0F;
+    scene.objects[0].mesh = shapes::slab(-0.05F, 0.05F);
+    scene.objects[0].matrix = glm::rotate(mat4(1.0F), glm::half_pi<float>(), vec3(1, 0, 0));
+    scene.objects[0].materials = {1, 1, 1, 1, 1, 0};
+    scene.environment_map =
+        map_of([](const vec3& d) { return vec3(0.05F + 20.0F * std::exp(1000.0F * (d.y - 1.0F))); });
+    const Settings settings = settings_of(48, 1);
+    const Frame truth = path_traced(scene, settings, 256, 1);
+    const Frame other_truth = path_traced(scene, settings, 256, 2);
+    const double truth_mean = 0.5 * (mean_inside(truth) + mean_inside(other_truth));
+    for (const int samples : {1, 4, 16}) {
+        const Frame frame = render(scene, settings_of(48, samples));
+        const double error = relative_error(frame, truth, other_truth);
+        std::cout << samples << " samples: relative MSE " << error << ", mean "
+                  << mean_inside(frame) / truth_mean << " of the truth\n";
+        EXPECT_LT(error, 0.002) << samples;
+        EXPECT_NEAR(mean_inside(frame) / truth_mean, 1.0, 0.015) << samples;
+    }
+}
+
 // A user loses: glass before a dark wall. Where the first sample shows no light, all the light of others
 // would be an error without measure, and pixels around would flare up. In the white world nothing is brighter
 // than 1, but for noise.
