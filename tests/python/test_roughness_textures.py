@@ -130,6 +130,21 @@ def test_coverage_shows_the_pattern_of_the_back(renderer, transport):
     assert error["COVERAGE"] < 0.5 * error["SIMPLE"]
 
 
+def test_first_traced_sample_has_no_streaks(renderer):
+    """A user loses: the CPU's first picture of painted roughness, which shows each of its edges once for
+    every ray of the bundle."""
+    v, u = np.indices((128, 256)) / [[[128]], [[256]]]
+    spots = np.sin(2 * np.pi * 8 * u) * np.sin(2 * np.pi * 4 * v) > 0
+    mesh, texture = sphere(segments=128), verglas.Texture("Spots", np.where(spots, 0.75, 0.35))
+    expected = truth(mesh, texture, samples=128, tir=False)
+    inside = np.hypot(*(np.indices((96, 96)) - 47.5)) < 27
+    coverage, traced = (
+        relative_mse(picture(device, mesh, texture, tir="NONE", paths="TWO_INTERFACE"), expected, inside)
+        for device in (renderer, verglas.TracedRenderer()))
+    print(f"relative MSE: coverage {coverage:.5f}, traced {traced:.5f}")
+    assert traced < 0.5 * coverage
+
+
 def slab(thickness=0.3):
     """Two squares of 2 x 2 that face each other, u from left to right on both."""
     y = 0.5 * thickness
