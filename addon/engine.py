@@ -5,7 +5,7 @@ import bpy
 
 from . import compat, devices, faults, renderer, sync, viewport
 from . import verglas_core as core
-from .sync import camera, settings, world
+from .sync import camera, settings
 
 
 class VerglasRenderEngine(bpy.types.RenderEngine):
@@ -91,23 +91,15 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
         self.viewport_picture.draw(self, context, depsgraph.scene_eval)
 
 
-@bpy.app.handlers.persistent
-def _on_load(*_) -> None:
-    world.forget_maps()
-
-
 def register():
     faults.register()
     renderer.register()
     sync.register()
-    bpy.app.handlers.load_pre.append(_on_load)
     bpy.utils.register_class(VerglasRenderEngine)
 
 
 def unregister():
     bpy.utils.unregister_class(VerglasRenderEngine)
-    bpy.app.handlers.load_pre.remove(_on_load)
-    world.forget_maps()
     sync.unregister()
     renderer.unregister()
     faults.unregister()

@@ -319,7 +319,7 @@ SCENES = {
     "bottle": Sample(bottle, (0.35,)),
     "slab": Sample(slab, (0.4,), (0, 0, radians(30))),
     "pane": Sample(pane, (0.35, 0.0), make_world=sun),
-    "globe": Sample(globe, (land_and_water,), (0, 0, radians(-100))),
+    "globe": Sample(globe, (land_and_water,), (0, 0, radians(60))),
     "gem": Sample(gem, (0.25,), (radians(42), radians(-12), 0)),
 }
 

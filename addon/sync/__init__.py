@@ -14,7 +14,7 @@ def scene_from(depsgraph: bpy.types.Depsgraph, warn: Warn) -> core.Scene:
     scene = core.Scene()
     world.set_environment(scene, compat.world_of(depsgraph), warn)
     objects.add_objects(scene, depsgraph, warn)
-    for kept in (images, meshes, painting, tangents):
+    for kept in (images, meshes, painting, tangents, world):
         kept.sweep()
     return scene
 

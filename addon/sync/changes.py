@@ -4,7 +4,7 @@ out of date."""
 
 import bpy
 
-from . import images, meshes, painting, tangents
+from . import images, meshes, painting, tangents, world
 
 SHAPES = (bpy.types.Object, bpy.types.Mesh, bpy.types.Curve, bpy.types.MetaBall)
 """Kinds of data whose changes of geometry change meshes."""
@@ -29,7 +29,7 @@ def _on_undo(*_) -> None:
 @bpy.app.handlers.persistent
 def _on_load(*_) -> None:
     images.note_all_changes()
-    for kept in (meshes, painting, tangents):
+    for kept in (meshes, painting, tangents, world):
         kept.clear()
 
 

@@ -149,10 +149,17 @@ def _pixels(image: bpy.types.Image) -> np.ndarray:
     """(H, W, C) float32 as Blender holds them: floats scene-linear, bytes in their own colour space."""
     width, height = image.size
     if width == 0 or height == 0:
-        raise Unreadable(f"has no readable image ('{image.name}', '{image.filepath}')")
+        raise Unreadable(f"has an image that can't be read ({_whereabouts(image)})")
     pixels = np.empty(len(image.pixels), np.float32)
     image.pixels.foreach_get(pixels)
     return pixels.reshape(height, width, -1)
+
+
+def _whereabouts(image: bpy.types.Image) -> str:
+    """Its name and path and, where that is relative, the file that it stands for."""
+    path = os.path.abspath(absolute_path(image))
+    is_relative = image.filepath not in {"", path}
+    return f"'{image.name}', '{image.filepath}'" + (f", looked for at '{path}'" if is_relative else "")
 
 
 def _picture_of(key: Hashable, pixels: np.ndarray, image: bpy.types.Image) -> Picture:

@@ -131,11 +131,18 @@ def _split_at_seams(triangles: np.ndarray, of_corners: np.ndarray,
     return source, split, np.concatenate([values, of_corners[differs]])
 
 
+def title(evaluated: bpy.types.Object) -> str:
+    """What warnings of an object's mesh begin with. Of objects that share one, the first is named."""
+    mesh = evaluated.data.name
+    return f"Object '{evaluated.name}'" + (f" (mesh '{mesh}')" if mesh != evaluated.name else "")
+
+
 class Surface:
     """The triangles of one material slot, and what nodes can ask about them."""
 
     def __init__(self, evaluated: bpy.types.Object, arrays: MeshArrays, slot: int, warn: Warn):
         self.name = evaluated.data.name
+        self.title = title(evaluated)
         self._evaluated = evaluated
         self._arrays = arrays
         self._kept = arrays.slots == slot
@@ -201,7 +208,7 @@ class Surface:
         layer = _uv_layer(mesh, name)
         uvs = np.zeros((len(mesh.loops), 3), np.float32)
         if layer is None or len(mesh.loops) == 0:
-            self._warn(f"Mesh '{self.name}' has no UV map{f' {name!r}' if name else ''}; its textures have "
+            self._warn(f"{self.title} has no UV map{f' {name!r}' if name else ''}; its textures have "
                        "coordinates of 0, as in Cycles.")
             return uvs
         uvs[:, :2] = compat.uvs_of(layer)
@@ -217,8 +224,7 @@ class Surface:
             return rgba, rgba[:, 0]
         index = None if field is None else _index_of_domain(mesh, attribute.domain)
         if index is None:
-            self._warn(f"Mesh '{self.name}' has no attribute {name!r} that can be read; it is 0, as in "
-                       "Cycles.")
+            self._warn(f"{self.title} has no attribute {name!r} that can be read; it is 0, as in Cycles.")
             return np.zeros((count, 4), np.float32), np.zeros(count, np.float32)
         key, width, dtype = field
         values = _get(attribute.data, key, width, dtype).astype(np.float32)[index]

@@ -118,7 +118,7 @@ class _Sync:
                                   {name: found for name, found in by_name.items() if found})
             self.core_meshes[key] = mesh
             for sentence in mesh.warnings:
-                self.warn(sentence)
+                self.warn(meshes.title(obj) + sentence.removeprefix(f"Mesh '{mesh.name}'"))
         return self.core_meshes[key]
 
     def _paint(self, obj: bpy.types.Object, arrays: meshes.MeshArrays, slot: int, material: str) -> _Painted:
@@ -143,7 +143,7 @@ class _Sync:
         name, of_tangents = normals.uv_map, None
         if normals.space == 'TANGENT':
             if not surface.has_uv_map(name):
-                self.warn(f"Mesh '{surface.name}' has no UV map{f' {name!r}' if name else ''} for the normal "
+                self.warn(f"{surface.title} has no UV map{f' {name!r}' if name else ''} for the normal "
                           f"map of material '{glass.name}'; it keeps its own normals.")
                 return None, None
             of_tangents = tangents.of_surface(surface, name)

@@ -74,10 +74,10 @@ def _texture(key, name: str, make: Callable[[], np.ndarray], extension: str,
 
 
 def _of_values(name: str, values: np.ndarray, extension: str,
-               interpolation: str = 'LINEAR') -> core.Texture | core.VectorTexture:
+               interpolation: str = 'LINEAR', is_atlas: bool = False) -> core.Texture | core.VectorTexture:
     """values: (H, W) or (H, W, 3)."""
     kind = core.Texture if values.ndim == 2 else core.VectorTexture
-    return kind(name, values, extension, interpolation)
+    return kind(name, values, extension, interpolation, is_atlas)
 
 
 # Images on one UV map
@@ -184,7 +184,7 @@ def _at_atlas(expression: Expression, surface: Surface, resolution: int, margin:
         values[texels.index] = _evaluated(expression, surface, texels.triangle, texels.weights)
     mean = np.nanmean(values, axis=0)  # for the texels between, so that the texture's own is the surface's
     values = np.where(np.isnan(values), mean, values).reshape(resolution, resolution, *expression.shape)
-    return Painting(_of_values(surface.name, values, 'EXTEND'), laid_out.uvs)
+    return Painting(_of_values(surface.name, values, 'EXTEND', is_atlas=True), laid_out.uvs)
 
 
 def _at_corners(expression: Expression, surface: Surface) -> Painting:

@@ -3,7 +3,6 @@
 
 import hashlib
 import os
-from collections.abc import Callable, Hashable
 
 import bpy
 import numpy as np
@@ -13,14 +12,13 @@ from .. import compat
 from .. import verglas_core as core
 from ..faults import Warn
 from . import images, nodes
+from .cache import Cache
 
 MISSING_COLOR = np.array((1.0, 0.0, 1.0), np.float32)
 """What Blender shows for an image that can't be read."""
 
-CACHED_MAPS = 4
-
-_maps: dict[Hashable, core.EnvironmentMap] = {}
-"""The latest environment maps by content, kept between frames: a map is costly to prepare."""
+_maps = Cache()
+"""Environment maps by content: one is costly to prepare."""
 
 
 def set_environment(scene: core.Scene, world: bpy.types.World | None, warn: Warn) -> None:
@@ -52,7 +50,12 @@ def set_environment(scene: core.Scene, world: bpy.types.World | None, warn: Warn
     scene.environment_rotation = _rotation(node)
 
 
-def forget_maps() -> None:
+def sweep() -> None:
+    """Forgets the maps that weren't asked for since the last sweep."""
+    _maps.sweep()
+
+
+def clear() -> None:
     _maps.clear()
 
 
@@ -127,7 +130,7 @@ def _load(image: bpy.types.Image, texture: nodes.Node) -> core.EnvironmentMap:
     if image.source == 'FILE' and is_known and not (image.packed_file or image.is_dirty):
         path = images.absolute_path(image)
         key = (path, _mtime(path), is_srgb)
-        return _cached(key, lambda: core.EnvironmentMap.load(path, srgb=is_srgb))
+        return _maps.get(key, lambda: core.EnvironmentMap.load(path, srgb=is_srgb))
     if image.source not in {'FILE', 'GENERATED'}:
         texture.warn(f"has an image of type {image.source.title()}, of which one picture is rendered")
     pixels = _pixels(image)
@@ -137,7 +140,7 @@ def _load(image: bpy.types.Image, texture: nodes.Node) -> core.EnvironmentMap:
     if is_srgb and not image.is_float:
         pixels[..., :3] = images.linear_from_srgb(pixels[..., :3])
     key = (image.name_full, hashlib.blake2b(pixels, digest_size=16).digest())
-    return _cached(key, lambda: core.EnvironmentMap(image.name, pixels))
+    return _maps.get(key, lambda: core.EnvironmentMap(image.name, pixels))
 
 
 def _mtime(path: str) -> int:
@@ -156,11 +159,3 @@ def _pixels(image: bpy.types.Image) -> np.ndarray:
     image.pixels.foreach_get(pixels)
     pixels = pixels.reshape(height, width, -1)
     return pixels if pixels.shape[2] >= 3 else np.repeat(pixels[..., :1], 3, axis=2)
-
-
-def _cached(key: Hashable, make: Callable[[], core.EnvironmentMap]) -> core.EnvironmentMap:
-    environment = _maps.pop(key, None) or make()
-    _maps[key] = environment
-    while len(_maps) > CACHED_MAPS:
-        del _maps[next(iter(_maps))]
-    return environment

@@ -143,9 +143,12 @@ bool TextureCache::update(const std::vector<Material>& materials, int most_class
         const auto& texture = material.roughness_texture;
         if (!texture || kept.count(texture) > 0) continue;
         const auto known = textures_.find(texture);
-        kept.emplace(texture, known != textures_.end()
-                                  ? std::move(known->second)
-                                  : GpuTexture{upload(*texture, 0), RoughnessHistogram(*texture), 0, {}});
+        kept.emplace(
+            texture,
+            known != textures_.end()
+                ? std::move(known->second)
+                : GpuTexture{
+                      upload(*texture, texture->is_atlas() ? 1 : 0), RoughnessHistogram(*texture), 0, {}});
         changed = changed || known == textures_.end();
     }
     textures_ = std::move(kept);

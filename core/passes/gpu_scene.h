@@ -39,7 +39,8 @@ class MeshCache {
     std::unordered_map<std::shared_ptr<const Mesh>, GpuMesh> meshes_;
 };
 
-// A texture of roughness, with mipmaps, in which a texel is the mean over its area.
+// A texture of roughness, with mipmaps, in which a texel is the mean over its area. Atlases have none: there
+// it would be the mean of places that have nothing to do with each other.
 struct GpuTexture {
     gl::Texture texture;
     RoughnessHistogram histogram;

@@ -139,8 +139,8 @@ std::shared_ptr<Mesh> make_mesh(const std::string& name, const Array<float>& pos
 // values: (H, W), and as many floats again as a Value has, unless that is one.
 template <typename Value>
 std::shared_ptr<TextureOf<Value>> make_texture(const std::string& name, const Array<float>& values,
-                                               const std::string& extension,
-                                               const std::string& interpolation) {
+                                               const std::string& extension, const std::string& interpolation,
+                                               bool is_atlas) {
     constexpr py::ssize_t channels = sizeof(Value) / sizeof(float);
     const bool is_right =
         channels == 1 ? values.ndim() == 2 : values.ndim() == 3 && values.shape(2) == channels;
@@ -148,11 +148,11 @@ std::shared_ptr<TextureOf<Value>> make_texture(const std::string& name, const Ar
         throw Error("Texture '" + name + "' must have the shape (H, W" +
                     (channels == 1 ? "" : ", " + std::to_string(channels)) + ").");
     const auto* first = reinterpret_cast<const Value*>(values.data());
-    return std::make_shared<TextureOf<Value>>(name, static_cast<int>(values.shape(1)),
-                                              static_cast<int>(values.shape(0)),
-                                              std::vector<Value>(first, first + values.size() / channels),
-                                              enum_of<Extension>(extension_names, extension),
-                                              enum_of<Interpolation>(interpolation_names, interpolation));
+    return std::make_shared<TextureOf<Value>>(
+        name, static_cast<int>(values.shape(1)), static_cast<int>(values.shape(0)),
+        std::vector<Value>(first, first + values.size() / channels),
+        enum_of<Extension>(extension_names, extension),
+        enum_of<Interpolation>(interpolation_names, interpolation), is_atlas);
 }
 
 template <typename Class, typename Value>
@@ -231,12 +231,14 @@ void bind_scene(py::module_& module) {
 
     py::class_<VectorTexture, std::shared_ptr<VectorTexture>>(module, "VectorTexture")
         .def(py::init(&make_texture<glm::vec3>), py::arg("name"), py::arg("values"),
-             py::arg("extension") = "REPEAT", py::arg("interpolation") = "LINEAR")
+             py::arg("extension") = "REPEAT", py::arg("interpolation") = "LINEAR",
+             py::arg("is_atlas") = false)
         .def_property_readonly("name", &VectorTexture::name);
 
     py::class_<Texture, std::shared_ptr<Texture>>(module, "Texture")
         .def(py::init(&make_texture<float>), py::arg("name"), py::arg("values"),
-             py::arg("extension") = "REPEAT", py::arg("interpolation") = "LINEAR")
+             py::arg("extension") = "REPEAT", py::arg("interpolation") = "LINEAR",
+             py::arg("is_atlas") = false)
         .def(
             "sample",
             [](const Texture& self, const Array<float>& uvs) {

@@ -69,10 +69,12 @@ class Texture:
     """A picture of single values over UV in [0, 1]^2. Immutable."""
 
     def __init__(
-        self, name: str, values: ArrayLike, extension: str = "REPEAT", interpolation: str = "LINEAR"
+        self, name: str, values: ArrayLike, extension: str = "REPEAT", interpolation: str = "LINEAR",
+        is_atlas: bool = False
     ) -> None:
         """values: (H, W) float32, row 0 at v = 0. extension: 'REPEAT', 'EXTEND' or 'CLIP' (0 outside).
-        interpolation: 'LINEAR' (bilinear) or 'CLOSEST'."""
+        interpolation: 'LINEAR' (bilinear) or 'CLOSEST'. is_atlas: whether texels that are neighbours need not
+        be so on the surface; then no means of them are looked up."""
     def sample(self, uvs: ArrayLike) -> NDArray[np.float32]:
         """(N,) values at uvs (N, 2)."""
     @property
@@ -86,7 +88,8 @@ class VectorTexture:
     """The same of vectors."""
 
     def __init__(
-        self, name: str, values: ArrayLike, extension: str = "REPEAT", interpolation: str = "LINEAR"
+        self, name: str, values: ArrayLike, extension: str = "REPEAT", interpolation: str = "LINEAR",
+        is_atlas: bool = False
     ) -> None:
         """values: (H, W, 3) float32; the rest as Texture's."""
     @property

@@ -11,13 +11,14 @@ namespace verglas {
 
 template <typename Value>
 TextureOf<Value>::TextureOf(std::string name, int width, int height, std::vector<Value> values,
-                            Extension extension, Interpolation interpolation)
+                            Extension extension, Interpolation interpolation, bool is_atlas)
     : name_(std::move(name)),
       width_(width),
       height_(height),
       values_(std::move(values)),
       extension_(extension),
-      interpolation_(interpolation) {
+      interpolation_(interpolation),
+      is_atlas_(is_atlas) {
     if (width < 1 || height < 1 || values_.size() != std::size_t(width) * height)
         throw Error("Texture '" + name_ + "' has no pixels, or not as many as its size says.");
 }

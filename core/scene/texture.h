@@ -17,9 +17,10 @@ enum class Interpolation { Linear, Closest };
 template <typename Value>
 class TextureOf {
   public:
-    // values: width x height. Throws Error where that isn't so.
+    // values: width x height. Throws Error where that isn't so. is_atlas: whether texels that are neighbours
+    // need not be so on the surface; then no means of them are looked up.
     TextureOf(std::string name, int width, int height, std::vector<Value> values, Extension extension,
-              Interpolation interpolation = Interpolation::Linear);
+              Interpolation interpolation = Interpolation::Linear, bool is_atlas = false);
 
     const std::string& name() const { return name_; }
     int width() const { return width_; }
@@ -27,6 +28,7 @@ class TextureOf {
     const std::vector<Value>& values() const { return values_; }
     Extension extension() const { return extension_; }
     Interpolation interpolation() const { return interpolation_; }
+    bool is_atlas() const { return is_atlas_; }
 
     // Clip is 0 outside.
     Value sample(glm::vec2 uv) const;
@@ -42,6 +44,7 @@ class TextureOf {
     std::vector<Value> values_;
     Extension extension_;
     Interpolation interpolation_;
+    bool is_atlas_;
 };
 
 // Of single values.

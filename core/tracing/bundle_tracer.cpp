@@ -2,9 +2,8 @@
 #include "core/tracing/bundle_tracer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
+#include <span>
 
 #include "core/material/microfacet.h"
 #include "core/math/frame.h"
@@ -12,6 +11,7 @@
 #include "core/math/sobol.h"
 #include "core/tracing/crossing.h"
 #include "core/tracing/divergence.h"
+#include "core/tracing/first_rays.h"
 #include "core/tracing/media.h"
 
 namespace verglas {
@@ -39,19 +39,9 @@ constexpr int reflection_dimension = 3;  // the reflected branch has its own
 // A narrower front lobe is one ray: more would land in the same pixels of anything.
 constexpr float least_bundle_spread = 1e-6F;
 
-// The first sample has two opposite rays of the bundle, whose mean vector is as exact. Those of neighbouring
-// pixels are turned against each other, in a pattern of 2 x 2 pixels, so that their average
-// (surface_average.h) has eight rays; with all four a pixel it has sixteen, the same error, and takes half as
-// long again.
-constexpr int first_rays = 2;
-
-// Azimuth of such a ray.
-glm::vec2 turned_azimuth(int ray, glm::ivec2 pixel) {
-    constexpr std::array<int, 4> steps = {0, 2, 3, 1};
-    const int step = steps[(pixel.x & 1) + 2 * (pixel.y & 1)];
-    const float angle =
-        glm::quarter_pi<float>() * static_cast<float>(step + 1) + glm::pi<float>() * static_cast<float>(ray);
-    return {std::cos(angle), std::sin(angle)};
+bool has_roughness_texture(const Scene& scene, const Object& object) {
+    return std::any_of(object.materials.begin(), object.materials.end(),
+                       [&](int material) { return scene.materials[material].roughness_texture != nullptr; });
 }
 
 using model::greatest;
@@ -151,7 +141,10 @@ glm::vec2 sample_offset(glm::ivec2 pixel, int sample, const Settings& settings) 
 }
 
 BundleTracer::BundleTracer(const TracedScene& scene, const Settings& settings, int sample)
-    : scene_(scene), settings_(settings), camera_(scene.scene().camera, settings.size), sample_(sample) {}
+    : scene_(scene), settings_(settings), camera_(scene.scene().camera, settings.size), sample_(sample) {
+    for (const Object& object : scene.scene().objects)
+        varies_.push_back(has_roughness_texture(scene.scene(), object));
+}
 
 void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {
     thread_local Wave wave;
@@ -314,15 +307,16 @@ float BundleTracer::left_part(float roughness) const {
 // Rays in place of the lobe, or of a part of its variance, which the rest of it blurs.
 void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& next) const {
     Beam outgoing = meeting.beam;
-    outgoing.weight = branch.weight / static_cast<float>(first_rays);
+    const std::span<const BundleRay> rays = first_rays(outgoing.pixel, varies_[meeting.hit.object]);
+    outgoing.weight = branch.weight / static_cast<float>(rays.size());
     const float left = left_part(meeting.roughness);
     outgoing.divergence.widen(Divergence::of_lobe(left * branch.lobe.spread));
-    model::Lobe ring = branch.lobe;
-    ring.spread *= 1.0F - left;
-    for (outgoing.number = 0; outgoing.number < first_rays; ++outgoing.number) {
-        const glm::vec2 azimuth = turned_azimuth(outgoing.number, outgoing.pixel);
+    model::Lobe lobe = branch.lobe;
+    for (outgoing.number = 0; outgoing.number < static_cast<int>(rays.size()); ++outgoing.number) {
+        const BundleRay& ray = rays[outgoing.number];
+        lobe.spread = std::min(ray.squared_distance * (1.0F - left) * branch.lobe.spread, 1.0F);
         outgoing.ray.d = outgoing.axis =
-            on_side(model::bundle_ray(ring, meeting.n, azimuth), meeting.side(branch));
+            on_side(model::bundle_ray(lobe, meeting.n, ray.azimuth), meeting.side(branch));
         send(meeting, branch, outgoing, next);
     }
 }

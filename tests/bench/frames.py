@@ -36,14 +36,30 @@ def cost(scene: core.Scene, method: str, size: Size, plan: Plan, **attributes) -
     """Of the median of several frames after one that warms up: wall time (frame_ms), GPU time by pass with
     the wall time of the readback (passes_ms), and the wall time outside of these (other_ms). attributes: of
     core.Settings, other than its defaults."""
-    chosen = settings(method, size)
-    for name, value in attributes.items():
-        setattr(chosen, name, value)
-    renderer.render(device(method), scene, chosen)
-    frames: list[core.Frame] = []
-    end = time.perf_counter() + plan.seconds
-    while len(frames) < plan.least_frames or (len(frames) < plan.most_frames and time.perf_counter() < end):
-        frames.append(renderer.render(device(method), scene, chosen))
+    return costs([(scene, attributes)], method, size, plan)[0]
+
+
+def costs(cases: list[tuple[core.Scene, dict[str, object]]], method: str, size: Size,
+          plan: Plan) -> list[Row]:
+    """As cost(), of scenes with attributes whose frames take turns: their ratios hold even where the machine
+    is busy for a while."""
+    chosen = []
+    for _, attributes in cases:
+        chosen.append(settings(method, size))
+        for name, value in attributes.items():
+            setattr(chosen[-1], name, value)
+
+    def take_turns() -> list[core.Frame]:
+        return [renderer.render(device(method), scene, own) for (scene, _), own in zip(cases, chosen)]
+    take_turns()
+    rounds: list[list[core.Frame]] = []
+    end = time.perf_counter() + plan.seconds * len(cases)
+    while len(rounds) < plan.least_frames or (len(rounds) < plan.most_frames and time.perf_counter() < end):
+        rounds.append(take_turns())
+    return [_cost_of(frames, method, size) for frames in zip(*rounds)]
+
+
+def _cost_of(frames: tuple[core.Frame, ...], method: str, size: Size) -> Row:
     median = statistics.median_low(frame.seconds for frame in frames)
     frame = next(frame for frame in frames if frame.seconds == median)
     passes = {name: 1e3 * seconds for name, seconds in passes_of(frame).items()}

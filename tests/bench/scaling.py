@@ -11,7 +11,7 @@ from verglas.compare.methods import TRACED
 from verglas.compare.progress import Progress
 
 from . import subjects
-from .frames import METHODS, Row, cost, device, settings, update_ms
+from .frames import METHODS, Row, cost, costs, device, settings, update_ms
 from .plan import Plan
 
 BALL_SIZE = 512
@@ -67,11 +67,10 @@ def by_roughness(plan: Plan, progress: Progress) -> list[Row]:
     view = subjects.subject(MODELS["sphere"], plan.engine_size, progress).core_scene
     kinds = {"uniform": (False, {}), "mean on the back": (True, {"back_roughness": 'SIMPLE'}),
              **{f"{count} classes on the back": (True, {"roughness_classes": count}) for count in (2, 4, 8)}}
-    rows = []
-    for name, (is_textured, attributes) in kinds.items():
-        scene = subjects.ball_scene(ROUGHNESS_BALL_EDGE, view, is_textured)
-        rows.append({"roughness": name} | cost(scene, "bundle", plan.engine_size, plan, **attributes))
-    return rows
+    cases = [(subjects.ball_scene(ROUGHNESS_BALL_EDGE, view, is_textured), attributes)
+             for is_textured, attributes in kinds.values()]
+    rows = costs(cases, "bundle", plan.engine_size, plan)
+    return [{"roughness": name} | row for name, row in zip(kinds, rows)]
 
 
 def by_threads(plan: Plan, progress: Progress) -> list[Row]:

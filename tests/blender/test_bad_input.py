@@ -54,8 +54,9 @@ def test_empty_mesh(lit):
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
 def test_vertices_that_are_no_numbers(lit, bad):
-    """One broken vertex would blacken the picture, or crash."""
+    """One broken vertex would blacken the picture, or crash, with no word of the object."""
     sphere = add_sphere(frosted())
+    sphere.name = "Ball"
     positions = np.empty(3 * len(sphere.data.vertices), np.float32)
     sphere.data.vertices.foreach_get("co", positions)
     positions[30] = bad
@@ -63,7 +64,7 @@ def test_vertices_that_are_no_numbers(lit, bad):
     picture = render(lit)
     assert np.isfinite(picture.combined).all() and np.isfinite(picture.normal).all()
     assert picture.mask.sum() > 200
-    assert len(faults.warnings()) == 1 and "Sphere" in faults.warnings()[0]
+    assert len(faults.warnings()) == 1 and "Object 'Ball' (mesh 'Sphere'): " in faults.warnings()[0]
 
 
 def test_faces_without_area(lit):
@@ -72,7 +73,7 @@ def test_faces_without_area(lit):
     mesh_of("Degenerate", [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, -1.5, 0)], [(0, 1, 2), (0, 1, 3)])
     picture = render(lit)
     assert np.isfinite(picture.combined).all()
-    assert len(faults.warnings()) == 1 and "Degenerate" in faults.warnings()[0]
+    assert len(faults.warnings()) == 1 and "Object 'Degenerate': " in faults.warnings()[0]
 
 
 def test_no_material(lit):

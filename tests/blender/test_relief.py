@@ -258,7 +258,7 @@ def test_missing_uv_map_is_named(scene, device, warned, uv_map):
     sphere.data.uv_layers.remove(sphere.data.uv_layers[0])
     material, = synchronised(warned.append).materials
     assert material.normal_map.texture is None
-    assert len(warned) == 1 and f"Mesh '{sphere.data.name}'" in warned[0] and "material 'Ice'" in warned[0]
+    assert len(warned) == 1 and f"Object '{sphere.name}'" in warned[0] and "material 'Ice'" in warned[0]
     assert render(scene).mask.any()
 
 

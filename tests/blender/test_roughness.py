@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Roughness that varies over the surface: each node and source against what Cycles makes of it."""
 
+import os
+
 import bpy
 import numpy as np
 import pytest
@@ -433,7 +435,7 @@ def test_two_images_with_mappings_of_their_own(scene, warned):
 
 
 @pytest.mark.parametrize("coordinates", ["Generated", "Object", "UV"])
-def test_modifiers(scene, warned, coordinates, monkeypatch):
+def test_modifiers(scene, device, warned, coordinates, monkeypatch):
     """On an object that modifiers subdivide and move, frost would lie elsewhere, or crash the render."""
     plane = add_plane(textured(procedural("ShaderNodeTexGradient", coordinates)), cells=2)
     plane.modifiers.new("Subdivision", 'SUBSURF').subdivision_type = 'SIMPLE'
@@ -445,7 +447,6 @@ def test_modifiers(scene, warned, coordinates, monkeypatch):
         pictures.append(of_verglas(plane, warned.append, depsgraph))
         return real(depsgraph, warn)
     monkeypatch.setattr(sync, "scene_from", scene_from)
-    scene.verglas.device = 'CPU'
     render(scene)
     truth = of_cycles(scene, plane)
     assert warned == []
@@ -593,7 +594,7 @@ def test_pixels_that_a_script_writes_reach_the_final_frame(scene, painted, devic
 # What can't be read
 
 def test_missing_file_is_named(scene, warned):
-    """A picture with a wrong path would give another roughness without a word."""
+    """A picture with a wrong path would give another roughness without a word of where it should be."""
     def build(tree):
         node = add_image(tree, new_image(np.ones((2, 2, 3))))
         node.image.source, node.image.filepath = 'FILE', "//gone.png"
@@ -601,7 +602,9 @@ def test_missing_file_is_named(scene, warned):
     glass = materials.from_blender(textured(build, roughness=0.45), warned.append)
     assert glass.roughness == pytest.approx(0.45) and glass.roughness_map is None
     assert len(warned) == 1
-    assert all(name in warned[0] for name in ("Material 'Ice'", "Image Texture", "Frost", "gone.png"))
+    path = os.path.abspath("gone.png")
+    assert all(name in warned[0] for name in ("Material 'Ice'", "Image Texture", "Frost", "'//gone.png'",
+                                              f"'{path}'"))
 
 
 @pytest.mark.parametrize("build, node", [

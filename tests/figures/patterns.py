@@ -14,9 +14,9 @@ SMOOTH = 100.0
 """Blinn-Phong exponent of what is less rough: the globe's oceans, and the models' ground."""
 
 PICTURES = {
-    "Back with its mean roughness": ("bundle", {"back_roughness": 'SIMPLE'}),
-    "Back with coverage": ("bundle", {}),
-    "The paper's transport, coverage": ("paper", {}),
+    "Simple back": ("bundle", {"back_roughness": 'SIMPLE'}),
+    "Coverage": ("bundle", {}),
+    "The paper's, coverage": ("paper", {}),
     "Traced, 1 sample": ("traced", {"samples": 1}),
     "Traced": ("traced", {}),
 }
@@ -34,14 +34,14 @@ def figure_13(studio: Studio) -> Figure:
         f"{case.exponent:g}, refracted at two interfaces; what is totally reflected is lost. Through the "
         "front, the continents of the far side are seen where the back's roughness counts: by the part that "
         "each roughness covers of what a lobe reaches (coverage), or at the point where each ray leaves "
-        "(traced). With one mean roughness for the back they are blurred away.")
+        "(traced). With one mean roughness for all of the back (simple) they are gone.")
     return Figure("13", "A globe of two roughnesses", caption, picture, rows)
 
 
 def figure_15(studio: Studio) -> Figure:
     cases = [Case(MODELS[name], SMOOTH, tir=True, paths='full', rough_exponent=3.4)
              for name in ("bunny", "dragon")]
-    titles = ("Back with its mean roughness", "Back with coverage", "Traced")
+    titles = ("Simple back", "Coverage", "Traced")
     shown = {title: PICTURES[title] for title in titles}
     picture, axes = layout.sheet(len(cases), len(shown) + 1)
     rows = []

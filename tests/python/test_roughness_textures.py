@@ -66,6 +66,27 @@ def test_textures_finer_than_pixels_are_averaged(renderer):
     assert fine[24:72, 24:72] == pytest.approx(mean[24:72, 24:72], abs=1e-3)
 
 
+def test_patches_of_an_atlas_stay_apart(renderer):
+    """A user loses: baked roughness without a mesh's edges drawn into it: of what lies beside a face in the
+    atlas, not on the surface."""
+    side, texels = 32, 4  # faces along the pane's sides, and a face's texels in the atlas
+    x, z = np.meshgrid(np.arange(side), np.arange(side))
+    faces = np.stack([x, z], -1).reshape(-1, 1, 2)
+    corners = np.zeros((side * side, 4, 3))
+    corners[:, :, [0, 2]] = 2 * (faces + [(0, 0), (1, 0), (1, 1), (0, 1)]) / side - 1
+    place = np.random.default_rng(3).permutation(side * side)
+    cells = np.stack([place % side, place // side], -1)[:, None]
+    inner = (np.array([(0, 0), (1, 0), (1, 1), (0, 1)]) * (texels - 1) + 0.5) / texels
+    values = np.empty(side * side)
+    values[place] = np.where(faces[:, 0, 0] < side / 2, 0.2, 0.7)  # left, right
+    values = np.kron(values.reshape(side, side), np.ones((texels, texels)))
+    texture = verglas.Texture("Atlas", values, "EXTEND", is_atlas=True)
+    shown = picture(renderer, flat_faces("Pane", corners, (cells + inner).reshape(-1, 2) / side), texture)
+    for half, roughness in ((np.s_[24:72, 24:46], 0.2), (np.s_[24:72, 50:72], 0.7)):
+        flat = picture(renderer, pane(), verglas.Texture("Flat", [[roughness]]))
+        assert shown[half] == pytest.approx(flat[half], abs=1e-3)
+
+
 def test_objects_have_textures_of_their_own(renderer):
     """A user loses: several painted materials in a scene, beside plain ones, on the slots of one mesh."""
     corners = [[(x, 0, -1), (x + 0.7, 0, -1), (x + 0.7, 0, 1), (x, 0, 1)] for x in (-1.05, -0.35, 0.35)]
@@ -128,6 +149,21 @@ def test_coverage_shows_the_pattern_of_the_back(renderer, transport):
         error[back] = relative_mse(shown, expected, inside)
     print(f"{transport}, relative MSE: simple {error['SIMPLE']:.5f}, coverage {error['COVERAGE']:.5f}")
     assert error["COVERAGE"] < 0.5 * error["SIMPLE"]
+
+
+def test_first_traced_sample_has_no_streaks(renderer):
+    """A user loses: the CPU's first picture of painted roughness, which shows each of its edges once for
+    every ray of the bundle."""
+    v, u = np.indices((128, 256)) / [[[128]], [[256]]]
+    spots = np.sin(2 * np.pi * 8 * u) * np.sin(2 * np.pi * 4 * v) > 0
+    mesh, texture = sphere(segments=128), verglas.Texture("Spots", np.where(spots, 0.75, 0.35))
+    expected = truth(mesh, texture, samples=128, tir=False)
+    inside = np.hypot(*(np.indices((96, 96)) - 47.5)) < 27
+    coverage, traced = (
+        relative_mse(picture(device, mesh, texture, tir="NONE", paths="TWO_INTERFACE"), expected, inside)
+        for device in (renderer, verglas.TracedRenderer()))
+    print(f"relative MSE: coverage {coverage:.5f}, traced {traced:.5f}")
+    assert traced < 0.5 * coverage
 
 
 def slab(thickness=0.3):
