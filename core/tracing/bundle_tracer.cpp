@@ -39,6 +39,9 @@ constexpr int reflection_dimension = 3;  // the reflected branch has its own
 // A narrower front lobe is one ray: more would land in the same pixels of anything.
 constexpr float least_bundle_spread = 1e-6F;
 
+// Of the front lobe's variance, to one pair of rays that leave through clear glass; more pairs need less.
+constexpr float most_left = 0.5F;
+
 bool has_roughness_texture(const Scene& scene, const Object& object) {
     return std::any_of(object.materials.begin(), object.materials.end(),
                        [&](int material) { return scene.materials[material].roughness_texture != nullptr; });
@@ -295,12 +298,11 @@ void BundleTracer::follow(const Meeting& meeting, const Branch& branch, Wave& ne
 
 // The part of the front lobe's variance that is left to each of its rays. Where they leave through glass as
 // rough as where they entered, none: its lobe is as wide as the ring of rays, and joins them. Clear glass
-// would show eight pictures of a window in a ring, and nothing in its middle; with half of the variance left,
-// the sum of the rays' lobes is as a Gaussian. Drawn rays are left less and less.
+// would show eight pictures of a window in a ring, and nothing in its middle; with half of the variance left
+// to rays at the mean distance, the sum of their lobes is as a Gaussian. Drawn rays are left less and less.
 float BundleTracer::left_part(float roughness) const {
-    constexpr float most = 0.5F;
     const float ratio = facet_alpha(scene_.least_roughness()) / facet_alpha(roughness);
-    return most * (1.0F - std::min(ratio * ratio, 1.0F)) /
+    return most_left * (1.0F - std::min(ratio * ratio, 1.0F)) /
            std::cbrt(static_cast<float>(std::max(sample_, 1)));
 }
 
@@ -309,12 +311,13 @@ void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& nex
     Beam outgoing = meeting.beam;
     const std::span<const BundleRay> rays = first_rays(outgoing.pixel, varies_[meeting.hit.object]);
     outgoing.weight = branch.weight / static_cast<float>(rays.size());
-    const float left = left_part(meeting.roughness);
+    const float left = left_part(meeting.roughness) * 2.0F / static_cast<float>(rays.size());
     outgoing.divergence.widen(Divergence::of_lobe(left * branch.lobe.spread));
     model::Lobe lobe = branch.lobe;
     for (outgoing.number = 0; outgoing.number < static_cast<int>(rays.size()); ++outgoing.number) {
         const BundleRay& ray = rays[outgoing.number];
-        lobe.spread = std::min(ray.squared_distance * (1.0F - left) * branch.lobe.spread, 1.0F);
+        const float squared_distance = glm::mix(ray.squared_distance, 1.0F, left / most_left);
+        lobe.spread = std::min(squared_distance * (1.0F - left) * branch.lobe.spread, 1.0F);
         outgoing.ray.d = outgoing.axis =
             on_side(model::bundle_ray(lobe, meeting.n, ray.azimuth), meeting.side(branch));
         send(meeting, branch, outgoing, next);
