@@ -169,9 +169,10 @@ class Subject:
 
     def cycles(self, samples: int, seed: int = 0, denoised: bool = False,
                light_samples: bool = False) -> Picture:
-        """By Cycles on the CPU, with all light, whatever the conditions' paths. light_samples: draws directions
-        from the world's map, too, as by default, which makes rough GGX glass up to 8 % too bright in Blender
-        3.4; without, it is noisier. Raises Fault where Cycles or its denoiser isn't there, or fails."""
+        """By Cycles on the CPU, with all light, whatever the conditions' paths. light_samples: draws
+        directions from the world's map, too, as by default, which makes rough GGX glass up to 8 % too bright
+        in Blender 3.4; without, it is noisier. Raises Fault where Cycles or its denoiser isn't there, or
+        fails."""
         if not hasattr(self.scene, "cycles"):
             raise Fault("Blender's Cycles add-on is switched off; switch it on in the preferences.")
         if denoised and not _has_denoiser():

@@ -42,9 +42,11 @@ constexpr float least_bundle_spread = 1e-6F;
 // Of the front lobe's variance, to one pair of rays that leave through clear glass; more pairs need less.
 constexpr float most_left = 0.5F;
 
-bool has_roughness_texture(const Scene& scene, const Object& object) {
-    return std::any_of(object.materials.begin(), object.materials.end(),
-                       [&](int material) { return scene.materials[material].roughness_texture != nullptr; });
+bool roughness_varies(const Scene& scene, const Object& object) {
+    return std::any_of(object.materials.begin(), object.materials.end(), [&](int material) {
+        const auto& texture = scene.materials[material].roughness_texture;
+        return texture && !texture->is_constant();
+    });
 }
 
 using model::greatest;
@@ -146,7 +148,7 @@ glm::vec2 sample_offset(glm::ivec2 pixel, int sample, const Settings& settings) 
 BundleTracer::BundleTracer(const TracedScene& scene, const Settings& settings, int sample)
     : scene_(scene), settings_(settings), camera_(scene.scene().camera, settings.size), sample_(sample) {
     for (const Object& object : scene.scene().objects)
-        varies_.push_back(has_roughness_texture(scene.scene(), object));
+        varies_.push_back(roughness_varies(scene.scene(), object));
 }
 
 void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {

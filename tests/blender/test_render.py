@@ -68,6 +68,13 @@ def test_border(scene, monkey, border):
     assert np.array_equal(cropped.combined.reshape(-1, 4), part.combined[inside])
 
 
+def without_outlines(mask: np.ndarray) -> np.ndarray:
+    """Those pixels of the mask whose neighbours are all in it: edges are smooth by the CPU."""
+    padded = np.pad(mask, 1, mode='edge')
+    height, width = mask.shape
+    return np.logical_and.reduce([padded[y:y + height, x:x + width] for y in range(3) for x in range(3)])
+
+
 @by_each_device
 def test_film(scene, monkey):
     """A transparent film would be opaque, or its glass without alpha."""
@@ -75,10 +82,10 @@ def test_film(scene, monkey):
     assert (opaque.combined[..., 3] == 1.0).all() and opaque.rgb[0, 0].max() > 0.0
     scene.render.film_transparent = True
     transparent = render(scene)
-    assert (transparent.combined[~transparent.mask][:, 3] == 0.0).all()
-    assert (transparent.combined[~transparent.mask] == 0.0).all()
-    assert (transparent.combined[transparent.mask][:, 3] == 1.0).all()
-    assert np.allclose(transparent.rgb[transparent.mask], opaque.rgb[opaque.mask], atol=1e-5)
+    outside, inside = (without_outlines(mask) for mask in (~transparent.mask, transparent.mask))
+    assert outside.any() and (transparent.combined[outside] == 0.0).all()
+    assert inside.any() and (transparent.combined[inside][:, 3] == 1.0).all()
+    assert np.allclose(transparent.rgb[inside], opaque.rgb[inside], atol=1e-5)
 
 
 @by_each_device
