@@ -21,8 +21,6 @@ TextureOf<Value>::TextureOf(std::string name, int width, int height, std::vector
       is_atlas_(is_atlas) {
     if (width < 1 || height < 1 || values_.size() != std::size_t(width) * height)
         throw Error("Texture '" + name_ + "' has no pixels, or not as many as its size says.");
-    is_constant_ = std::all_of(values_.begin(), values_.end(),
-                               [&](const Value& value) { return value == values_.front(); });
 }
 
 template <typename Value>

@@ -29,8 +29,6 @@ class TextureOf {
     Extension extension() const { return extension_; }
     Interpolation interpolation() const { return interpolation_; }
     bool is_atlas() const { return is_atlas_; }
-    // Whether all texels are the same.
-    bool is_constant() const { return is_constant_; }
 
     // Clip is 0 outside.
     Value sample(glm::vec2 uv) const;
@@ -47,7 +45,6 @@ class TextureOf {
     Extension extension_;
     Interpolation interpolation_;
     bool is_atlas_;
-    bool is_constant_;
 };
 
 // Of single values.

@@ -42,13 +42,6 @@ constexpr float least_bundle_spread = 1e-6F;
 // Of the front lobe's variance, to one pair of rays that leave through clear glass; more pairs need less.
 constexpr float most_left = 0.5F;
 
-bool roughness_varies(const Scene& scene, const Object& object) {
-    return std::any_of(object.materials.begin(), object.materials.end(), [&](int material) {
-        const auto& texture = scene.materials[material].roughness_texture;
-        return texture && !texture->is_constant();
-    });
-}
-
 using model::greatest;
 
 // The direction, bent to leave to the side of the triangle that a normal shows to: interpolated normals may
@@ -146,10 +139,7 @@ glm::vec2 sample_offset(glm::ivec2 pixel, int sample, const Settings& settings) 
 }
 
 BundleTracer::BundleTracer(const TracedScene& scene, const Settings& settings, int sample)
-    : scene_(scene), settings_(settings), camera_(scene.scene().camera, settings.size), sample_(sample) {
-    for (const Object& object : scene.scene().objects)
-        varies_.push_back(roughness_varies(scene.scene(), object));
-}
+    : scene_(scene), settings_(settings), camera_(scene.scene().camera, settings.size), sample_(sample) {}
 
 void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {
     thread_local Wave wave;
@@ -311,7 +301,8 @@ float BundleTracer::left_part(float roughness) const {
 // Rays in place of the lobe, or of a part of its variance, which the rest of it blurs.
 void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& next) const {
     Beam outgoing = meeting.beam;
-    const std::span<const BundleRay> rays = first_rays(outgoing.pixel, varies_[meeting.hit.object]);
+    const std::span<const BundleRay> rays =
+        first_rays(outgoing.pixel, scene_.roughness_varies(meeting.hit.object));
     outgoing.weight = branch.weight / static_cast<float>(rays.size());
     const float left = left_part(meeting.roughness) * 2.0F / static_cast<float>(rays.size());
     outgoing.divergence.widen(Divergence::of_lobe(left * branch.lobe.spread));
@@ -360,21 +351,22 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
         if (point[dimension + chance_dimension] >= chance) return;
         outgoing.weight /= chance;
     }
-    const float drawn = drawn_part(sample_);
     const float left = meeting.is_front_refraction(branch) ? left_part(meeting.roughness) : 0.0F;
     const auto drawn_direction = [&](float part) {
         return glm::normalize(glm::mix(branch.lobe.direction, outgoing.ray.d, std::sqrt(part)));
     };
-    outgoing.axis = drawn_direction(drawn);
-    outgoing.divergence =
-        turned(meeting.beam.divergence.part(meeting.beam.carried), meeting, branch.reflected);
-    outgoing.divergence.widen(Divergence::of_lobe((1.0F - drawn) * branch.lobe.spread));
-    // The front's rays are enough to stand for its lobe, but for what is left to them.
-    outgoing.carried = meeting.beam.interfaces > 0 ? carried_part(sample_) : 0.0F;
     if (left > 0.0F) {
         outgoing.ray.d = outgoing.axis = on_side(drawn_direction(1.0F - left), meeting.side(branch));
         outgoing.divergence = Divergence::of_lobe(left * branch.lobe.spread);
         outgoing.carried = 1.0F;
+    } else {
+        const float drawn = drawn_part(sample_);
+        outgoing.axis = drawn_direction(drawn);
+        outgoing.divergence =
+            turned(meeting.beam.divergence.part(meeting.beam.carried), meeting, branch.reflected);
+        outgoing.divergence.widen(Divergence::of_lobe((1.0F - drawn) * branch.lobe.spread));
+        // The front's rays are enough to stand for its lobe.
+        outgoing.carried = meeting.beam.interfaces > 0 ? carried_part(sample_) : 0.0F;
     }
     send(meeting, branch, outgoing, next);
 }

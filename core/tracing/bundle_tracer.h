@@ -8,7 +8,6 @@
 #include <glm/glm.hpp>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "core/scene/settings.h"
 #include "core/tracing/camera_rays.h"
@@ -90,7 +89,6 @@ class BundleTracer {
     const Settings& settings_;
     CameraRays camera_;
     int sample_;
-    std::vector<char> varies_;  // whether an object's roughness does; by Scene::objects
 };
 
 }  // namespace verglas

@@ -24,26 +24,38 @@ void TracedScene::update(const Scene& scene) {
     seconds_["meshes"] = seconds_of([&] { rays_.update(scene); });
     seconds_["tables"] = seconds_of([&] {
         if (tables_.update(scene.materials) || !lobes_) lobes_.emplace(tables_.slices());
-        update_roughness(scene.materials);
+        update_roughness(scene);
     });
     seconds_["environment"] = seconds_of([&] { update_environment(scene.environment_map); });
 }
 
-void TracedScene::update_roughness(const std::vector<Material>& materials) {
-    std::map<std::shared_ptr<const Texture>, float> least_values;
+void TracedScene::update_roughness(const Scene& scene) {
+    std::map<std::shared_ptr<const Texture>, Range> ranges;
     least_roughness_ = 1.0F;
-    for (const Material& material : materials) {
-        float least = material.roughness;
+    std::vector<char> material_varies;
+    for (const Material& material : scene.materials) {
+        Range range{material.roughness, material.roughness};
         if (const auto& texture = material.roughness_texture) {
-            const auto known = least_values_.find(texture);
-            least = known != least_values_.end()
-                        ? known->second
-                        : *std::min_element(texture->values().begin(), texture->values().end());
-            least_values[texture] = least;
+            const auto known = ranges_.find(texture);
+            if (known != ranges_.end()) {
+                range = known->second;
+            } else {
+                const auto [least, greatest] =
+                    std::minmax_element(texture->values().begin(), texture->values().end());
+                range = {*least, *greatest};
+            }
+            ranges[texture] = range;
         }
-        least_roughness_ = std::min(least_roughness_, std::clamp(least, 0.0F, 1.0F));
+        least_roughness_ = std::min(least_roughness_, std::clamp(range.least, 0.0F, 1.0F));
+        material_varies.push_back(range.least < range.greatest ? 1 : 0);
     }
-    least_values_ = std::move(least_values);
+    ranges_ = std::move(ranges);
+    varies_.clear();
+    for (const Object& object : scene.objects)
+        varies_.push_back(std::any_of(object.materials.begin(), object.materials.end(),
+                                      [&](int material) { return material_varies[material] != 0; })
+                              ? 1
+                              : 0);
 }
 
 void TracedScene::update_environment(const std::shared_ptr<const EnvironmentMap>& map) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/environment/environment_model.h"
 #include "core/material/lobe_model.h"
@@ -31,6 +32,8 @@ class TracedScene {
 
     // The least roughness of any material, 0 … 1.
     float least_roughness() const { return least_roughness_; }
+    // Whether a texture makes that of an object of the scene vary.
+    bool roughness_varies(int object) const { return varies_[object] != 0; }
 
     // Light that arrives from outside under a lobe of the given spread about a unit direction in world space.
     glm::vec3 incoming_radiance(const glm::vec3& direction, float spread) const {
@@ -43,15 +46,21 @@ class TracedScene {
     const std::map<std::string, double>& seconds() const { return seconds_; }
 
   private:
-    void update_roughness(const std::vector<Material>& materials);
+    // The least and the greatest of a texture's values.
+    struct Range {
+        float least;
+        float greatest;
+    };
+    void update_roughness(const Scene& scene);
     void update_environment(const std::shared_ptr<const EnvironmentMap>& map);
 
     const Scene* scene_ = nullptr;
     RayScene rays_;
     TableSet tables_;
     std::optional<model::LobeModel> lobes_;
-    std::map<std::shared_ptr<const Texture>, float> least_values_;  // of textures of roughness
+    std::map<std::shared_ptr<const Texture>, Range> ranges_;  // of textures of roughness
     float least_roughness_ = 0.0F;
+    std::vector<char> varies_;  // by Scene::objects
     std::shared_ptr<const EnvironmentMap> map_;
     std::optional<model::EnvironmentModel> environment_;
     std::map<std::string, double> seconds_;

@@ -360,7 +360,7 @@ TEST(TracedRenderer, ConvergesToThePathTracer) {
     const double truth_mean = 0.5 * (mean_inside(truth) + mean_inside(other_truth));
     std::cout << "truths differ by " << relative_error(truth, other_truth, other_truth) << "\n";
     double last = 1.0;
-    for (const int samples : {1, 4, 16}) {
+    for (const int samples : {1, 4, 16, 64}) {
         const Frame frame = render(scene, settings_of(64, samples));
         const double error = relative_error(frame, truth, other_truth);
         const double mean = mean_inside(frame);
