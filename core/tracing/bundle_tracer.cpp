@@ -69,25 +69,25 @@ float carried_part(int sample) { return 0.3F / std::sqrt(static_cast<float>(samp
 
 }  // namespace
 
-// One ray and the lobe about it, on its way to a pixel.
+// What a ray brings to a pixel, and the lobe about it.
 struct BundleTracer::Beam {
-    Ray ray;
-    glm::vec3 weight;       // of the radiance that it brings
-    glm::vec3 axis;         // of the lobe that is looked up if the ray meets nothing more
-    Divergence divergence;  // of that lobe, without the part that the bundle's rays stand for
-    float carried = 1.0F;   // part of it that the next interface keeps
+    glm::vec3 weight{1.0F};   // of the radiance that it brings
+    glm::vec3 axis;           // of the lobe that is looked up if the ray meets nothing more
+    Divergence divergence{};  // of that lobe, without the part that the bundle's rays stand for
+    float carried = 1.0F;     // part of it that the next interface keeps
     // Outward normal of the interface that it last left through; 0 if it was reflected since.
     glm::vec3 exit{0.0F};
     bool has_tail = false;  // the lobe of the last interface
     glm::ivec2 pixel;
     int number = 0;      // of the bundle's ray, from 0
     int interfaces = 0;  // crossed
-    MediumStack media;
+    MediumStack media{};
 };
 
 // A beam at an interface that bends it.
 struct BundleTracer::Meeting {
-    Beam beam;  // with what the last medium has left of it
+    Beam beam;           // with what the last medium has left of it
+    const glm::vec3& d;  // of its ray
     const Hit& hit;
     const Material& material;
     glm::vec3& radiance;  // of the pixel
@@ -117,7 +117,7 @@ bool BundleTracer::Meeting::is_front_refraction(const Branch& branch) const {
     return beam.interfaces == 0 && !branch.reflected;
 }
 
-// Beams that have crossed the same number of interfaces.
+// Beams that have crossed the same number of interfaces, and their rays.
 struct BundleTracer::Wave {
     std::vector<Beam> beams;
     std::vector<Ray> rays;
@@ -125,10 +125,6 @@ struct BundleTracer::Wave {
     void clear() {
         beams.clear();
         rays.clear();
-    }
-    void add(const Beam& beam) {
-        beams.push_back(beam);
-        rays.push_back(beam.ray);
     }
 };
 
@@ -145,21 +141,20 @@ void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {
     thread_local Wave wave;
     thread_local Wave next;
     thread_local std::vector<Hit> hits;
-    wave.clear();
-    start(tile, picture, wave);
-    while (!wave.rays.empty()) {
+    next.clear();
+    start(tile, picture, next);
+    while (!next.rays.empty()) {
+        std::swap(wave, next);
         hits.resize(wave.rays.size());
         scene_.rays().intersect(wave.rays, hits);
         next.clear();
         for (std::size_t i = 0; i < hits.size(); ++i) {
             const Beam& beam = wave.beams[i];
-            const std::size_t place = picture.place(beam.pixel.x, beam.pixel.y);
             if (hits[i].object >= 0)
-                meet(beam, hits[i], picture, next);
+                meet(beam, wave.rays[i].d, hits[i], picture, next);
             else
-                picture.radiance[place] += beam.interfaces > 0 ? looked_up(beam) : background(beam.ray.d);
+                picture.radiance[picture.place(beam.pixel.x, beam.pixel.y)] += looked_up(beam);
         }
-        std::swap(wave, next);
     }
 }
 
@@ -175,27 +170,38 @@ void BundleTracer::look(std::span<const glm::vec2> places, std::span<Sight> sigh
             hits[i].object >= 0 ? Sight{hits[i].object, glm::vec3(0.0F)} : Sight{-1, background(rays[i].d)};
 }
 
-void BundleTracer::start(const Rect& tile, TracedPicture& picture, Wave& wave) const {
-    Beam beam{};
-    beam.weight = glm::vec3(1.0F);
-    for (beam.pixel.y = tile.begin.y; beam.pixel.y < tile.end.y; ++beam.pixel.y) {
-        for (beam.pixel.x = tile.begin.x; beam.pixel.x < tile.end.x; ++beam.pixel.x) {
-            const std::size_t place = picture.place(beam.pixel.x, beam.pixel.y);
-            picture.radiance[place] = glm::vec3(0.0F);
+// From the camera to the first interfaces.
+void BundleTracer::start(const Rect& tile, TracedPicture& picture, Wave& next) const {
+    thread_local std::vector<Ray> rays;
+    thread_local std::vector<Hit> hits;
+    rays.clear();
+    glm::ivec2 pixel;
+    for (pixel.y = tile.begin.y; pixel.y < tile.end.y; ++pixel.y) {
+        for (pixel.x = tile.begin.x; pixel.x < tile.end.x; ++pixel.x) {
+            const glm::vec2 center = glm::vec2(pixel) + 0.5F;
+            rays.push_back(camera_.through(center + sample_offset(pixel, sample_, settings_)));
+        }
+    }
+    hits.resize(rays.size());
+    scene_.rays().intersect(rays, hits);
+    for (pixel.y = tile.begin.y; pixel.y < tile.end.y; ++pixel.y) {
+        for (pixel.x = tile.begin.x; pixel.x < tile.end.x; ++pixel.x) {
+            const std::size_t place = picture.place(pixel.x, pixel.y);
+            const std::size_t i = tile.place(pixel);
             picture.surfaces[place] = Surface::none();
-            const glm::vec2 center = glm::vec2(beam.pixel) + 0.5F;
-            beam.ray = camera_.through(center + sample_offset(beam.pixel, sample_, settings_));
-            beam.axis = beam.ray.d;
-            wave.add(beam);
+            picture.radiance[place] = hits[i].object >= 0 ? glm::vec3(0.0F) : background(rays[i].d);
+            if (hits[i].object >= 0)
+                meet({.axis = rays[i].d, .pixel = pixel}, rays[i].d, hits[i], picture, next);
         }
     }
 }
 
-void BundleTracer::meet(const Beam& incoming, const Hit& hit, TracedPicture& picture, Wave& next) const {
+void BundleTracer::meet(const Beam& incoming, const glm::vec3& d, const Hit& hit, TracedPicture& picture,
+                        Wave& next) const {
     const Scene& scene = scene_.scene();
     const Material& material = scene.materials[hit.material];
-    const glm::vec3& d = incoming.ray.d;
     Meeting meeting{.beam = incoming,
+                    .d = d,
                     .hit = hit,
                     .material = material,
                     .radiance = picture.radiance[picture.place(incoming.pixel.x, incoming.pixel.y)],
@@ -215,8 +221,10 @@ void BundleTracer::meet(const Beam& incoming, const Hit& hit, TracedPicture& pic
     if (!interface.bends()) {
         if (interface.is_real) beam.weight *= material.color;
         beam.media.cross(hit, meeting.entering);
-        beam.ray.origin = beside(hit, d);
-        if (++beam.interfaces <= max_drawn_interfaces) next.add(beam);
+        if (++beam.interfaces <= max_drawn_interfaces) {
+            next.beams.push_back(beam);
+            next.rays.push_back({beside(hit, d), d});
+        }
         return;
     }
     meeting.eta = interface.eta;
@@ -281,11 +289,11 @@ Divergence BundleTracer::divergence(const Meeting& meeting, const Branch& branch
 
 // Along the lobe's mean direction.
 void BundleTracer::follow(const Meeting& meeting, const Branch& branch, Wave& next) const {
-    Beam outgoing = meeting.beam;
+    Beam& outgoing = next.beams.emplace_back(meeting.beam);
     outgoing.weight = branch.weight;
     outgoing.divergence = divergence(meeting, branch);
-    outgoing.ray.d = outgoing.axis = on_side(branch.lobe.direction, meeting.side(branch));
-    send(meeting, branch, outgoing, next);
+    outgoing.axis = on_side(branch.lobe.direction, meeting.side(branch));
+    send(meeting, branch, outgoing.axis, next);
 }
 
 // The part of the front lobe's variance that is left to each of its rays. Where they leave through glass as
@@ -300,20 +308,23 @@ float BundleTracer::left_part(float roughness) const {
 
 // Rays in place of the lobe, or of a part of its variance, which the rest of it blurs.
 void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& next) const {
-    Beam outgoing = meeting.beam;
     const std::span<const BundleRay> rays =
-        first_rays(outgoing.pixel, scene_.roughness_varies(meeting.hit.object));
-    outgoing.weight = branch.weight / static_cast<float>(rays.size());
-    const float left = left_part(meeting.roughness) * 2.0F / static_cast<float>(rays.size());
-    outgoing.divergence.widen(Divergence::of_lobe(left * branch.lobe.spread));
+        first_rays(meeting.beam.pixel, scene_.roughness_varies(meeting.hit.object));
+    const float share = 1.0F / static_cast<float>(rays.size());
+    const float left = 2.0F * share * left_part(meeting.roughness);
+    Divergence divergence = meeting.beam.divergence;
+    divergence.widen(Divergence::of_lobe(left * branch.lobe.spread));
     model::Lobe lobe = branch.lobe;
-    for (outgoing.number = 0; outgoing.number < static_cast<int>(rays.size()); ++outgoing.number) {
-        const BundleRay& ray = rays[outgoing.number];
+    for (int number = 0; number < static_cast<int>(rays.size()); ++number) {
+        const BundleRay& ray = rays[number];
         const float squared_distance = glm::mix(ray.squared_distance, 1.0F, left / most_left);
         lobe.spread = std::min(squared_distance * (1.0F - left) * branch.lobe.spread, 1.0F);
-        outgoing.ray.d = outgoing.axis =
-            on_side(model::bundle_ray(lobe, meeting.n, ray.azimuth), meeting.side(branch));
-        send(meeting, branch, outgoing, next);
+        Beam& outgoing = next.beams.emplace_back(meeting.beam);
+        outgoing.weight = share * branch.weight;
+        outgoing.divergence = divergence;
+        outgoing.number = number;
+        outgoing.axis = on_side(model::bundle_ray(lobe, meeting.n, ray.azimuth), meeting.side(branch));
+        send(meeting, branch, outgoing.axis, next);
     }
 }
 
@@ -339,11 +350,11 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
                                  Reflected::All);
     const glm::mat3 frame = frame_of(meeting.n);
     const auto event = branch.reflected ? RoughInterface::Event::Reflect : RoughInterface::Event::Refract;
-    const auto facet = surface.sample(glm::transpose(frame) * -outgoing.ray.d, point.pair(dimension), event);
+    const auto facet = surface.sample(glm::transpose(frame) * -meeting.d, point.pair(dimension), event);
     if (!facet) return;
-    outgoing.ray.d = frame * facet->direction;
+    glm::vec3 d = frame * facet->direction;
     // The side of the interpolated normal must be the triangle's.
-    if (glm::dot(outgoing.ray.d, meeting.side(branch)) <= 0.0F) return;
+    if (glm::dot(d, meeting.side(branch)) <= 0.0F) return;
     outgoing.weight *= facet->weight * branch.color;
     // By what was drawn: the lobe's energy next to the critical angle says too little of it.
     const float chance = greatest(outgoing.weight) / least_drawn_weight;
@@ -353,10 +364,10 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
     }
     const float left = meeting.is_front_refraction(branch) ? left_part(meeting.roughness) : 0.0F;
     const auto drawn_direction = [&](float part) {
-        return glm::normalize(glm::mix(branch.lobe.direction, outgoing.ray.d, std::sqrt(part)));
+        return glm::normalize(glm::mix(branch.lobe.direction, d, std::sqrt(part)));
     };
     if (left > 0.0F) {
-        outgoing.ray.d = outgoing.axis = on_side(drawn_direction(1.0F - left), meeting.side(branch));
+        d = outgoing.axis = on_side(drawn_direction(1.0F - left), meeting.side(branch));
         outgoing.divergence = Divergence::of_lobe(left * branch.lobe.spread);
         outgoing.carried = 1.0F;
     } else {
@@ -368,20 +379,23 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
         // The front's rays are enough to stand for its lobe.
         outgoing.carried = meeting.beam.interfaces > 0 ? carried_part(sample_) : 0.0F;
     }
-    send(meeting, branch, outgoing, next);
+    next.beams.push_back(outgoing);
+    send(meeting, branch, d, next);
 }
 
-void BundleTracer::send(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const {
+// The last of the next wave's beams, on its way in direction d.
+void BundleTracer::send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const {
+    Beam& outgoing = next.beams.back();
     outgoing.exit = branch.reflected ? glm::vec3(0.0F) : -meeting.n;
     outgoing.has_tail = meeting.material.ndf == Ndf::Ggx;
     if (settings_.paths == PathMode::TwoInterface && !meeting.entering) {
         meeting.radiance += looked_up(outgoing);
+        next.beams.pop_back();
         return;
     }
     ++outgoing.interfaces;
     if (!branch.reflected) outgoing.media.cross(meeting.hit, meeting.entering);
-    outgoing.ray.origin = beside(meeting.hit, outgoing.ray.d);
-    next.add(outgoing);
+    next.rays.push_back({beside(meeting.hit, d), d});
 }
 
 // What the camera sees behind everything.

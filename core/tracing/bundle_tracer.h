@@ -69,8 +69,9 @@ class BundleTracer {
     struct Branch;
     struct Wave;
 
-    void start(const Rect& tile, TracedPicture& picture, Wave& wave) const;
-    void meet(const Beam& incoming, const Hit& hit, TracedPicture& picture, Wave& next) const;
+    void start(const Rect& tile, TracedPicture& picture, Wave& next) const;
+    void meet(const Beam& incoming, const glm::vec3& d, const Hit& hit, TracedPicture& picture,
+              Wave& next) const;
     void branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const;
     float left_part(float roughness) const;
     Divergence turned(Divergence divergence, const Meeting& meeting, bool reflected) const;
@@ -79,7 +80,7 @@ class BundleTracer {
     void split(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void draw(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void draw_ray(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
-    void send(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
+    void send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const;
     glm::vec3 background(const glm::vec3& d) const;
     glm::vec3 looked_up(const Beam& beam) const;
     glm::vec3 looked_up(const Beam& beam, float spread) const;
