@@ -4,17 +4,17 @@
 #include <glm/glm.hpp>
 #include <map>
 #include <string>
-#include <vector>
+
+#include "core/math/unfilled.h"
 
 namespace verglas {
 
 // A finished picture of a region, scene-linear, row 0 at the bottom.
 struct Frame {
     glm::ivec2 size{0};
-    std::vector<glm::vec4> combined;  // premultiplied alpha
-    std::vector<glm::vec4>
-        normal_depth;      // world space and along the camera's axis; 0 and 1e10 where nothing is
-    double seconds = 0.0;  // passes and readback
+    Unfilled<glm::vec4> combined;      // premultiplied alpha
+    Unfilled<glm::vec4> normal_depth;  // world space and along the camera's axis; 0 and 1e10 where nothing is
+    double seconds = 0.0;              // passes and readback
     // GPU time by pass, summed over samples; "readback" is wall time.
     std::map<std::string, double> pass_seconds;
     // Wall time of uploads and precomputation, 0 where nothing was new.

@@ -109,7 +109,7 @@ class Renderer::Device {
 
   private:
     void draw_data(const ShadingInputs& inputs, const Rect& region);
-    std::vector<glm::vec4> read(const gl::Texture& texture, const Rect& rect);
+    Unfilled<glm::vec4> read(const gl::Texture& texture, const Rect& rect);
 
     GeometryPass geometry_;
     RefractionPass refraction_;
@@ -124,7 +124,7 @@ class Renderer::Device {
     EnvironmentCache environment_;
     std::unique_ptr<Targets> targets_;
     std::vector<ViewGroup> groups_;
-    std::vector<glm::vec4> normal_depth_;
+    Unfilled<glm::vec4> normal_depth_;
     std::map<std::string, double> prepare_seconds_;
     double seconds_ = 0.0;
     double readback_seconds_ = 0.0;
@@ -243,9 +243,9 @@ void Renderer::Device::draw_data(const ShadingInputs& inputs, const Rect& region
 }
 
 // From the GPU, which has finished.
-std::vector<glm::vec4> Renderer::Device::read(const gl::Texture& texture, const Rect& rect) {
+Unfilled<glm::vec4> Renderer::Device::read(const gl::Texture& texture, const Rect& rect) {
     const Clock::time_point begin = Clock::now();
-    std::vector<glm::vec4> pixels(std::size_t(rect.size().x) * rect.size().y);
+    Unfilled<glm::vec4> pixels(std::size_t(rect.size().x) * rect.size().y);
     glGetTextureSubImage(texture.id(), 0, rect.begin.x, rect.begin.y, 0, rect.size().x, rect.size().y, 1,
                          GL_RGBA, GL_FLOAT, static_cast<GLsizei>(pixels.size() * sizeof(glm::vec4)),
                          pixels.data());

@@ -194,7 +194,7 @@ void add_object(Scene& scene, const std::string& name, std::shared_ptr<Mesh> mes
 }
 
 // A view of part of the pixels, which keeps the frame alive: `count` channels from `first`, none for a plane.
-py::array_t<float> channels(const py::object& self, const std::vector<glm::vec4>& pixels, glm::ivec2 size,
+py::array_t<float> channels(const py::object& self, const Unfilled<glm::vec4>& pixels, glm::ivec2 size,
                             int first, int count) {
     const auto step = static_cast<py::ssize_t>(sizeof(glm::vec4));
     const float* data = reinterpret_cast<const float*>(pixels.data()) + first;

@@ -25,6 +25,7 @@ struct Rect {
     glm::ivec2 end{0};  // exclusive
 
     glm::ivec2 size() const { return end - begin; }
+    std::size_t pixels() const { return std::size_t(size().x) * size().y; }
     // Of a pixel, among all row by row.
     std::size_t place(glm::ivec2 pixel) const {
         const glm::ivec2 inside = pixel - begin;

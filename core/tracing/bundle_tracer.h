@@ -6,9 +6,9 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <memory>
 #include <span>
 
+#include "core/math/unfilled.h"
 #include "core/scene/settings.h"
 #include "core/tracing/camera_rays.h"
 #include "core/tracing/divergence.h"
@@ -26,21 +26,19 @@ struct Surface {
     static Surface none() { return {glm::vec3(0.0F), 1e10F, -1, 0.0F}; }
 };
 
-// A picture of a region of the frame, row 0 at the bottom. New, its pixels have no values; memory for large
-// ones takes long to fill, and who writes to a tile does that best.
+// A picture of a region of the frame, row 0 at the bottom.
 struct TracedPicture {
-    explicit TracedPicture(const Rect& rectangle)
-        : rect(rectangle),
-          pixels(std::size_t(rect.size().x) * rect.size().y),
-          radiance(std::make_unique_for_overwrite<glm::vec3[]>(pixels)),
-          surfaces(std::make_unique_for_overwrite<Surface[]>(pixels)) {}
-
+    // Its pixels have no values then; who writes to a tile fills it best.
+    void begin(const Rect& rectangle) {
+        rect = rectangle;
+        radiance.resize(rect.pixels());
+        surfaces.resize(rect.pixels());
+    }
     std::size_t place(int x, int y) const { return rect.place({x, y}); }
 
     Rect rect;
-    std::size_t pixels;
-    std::unique_ptr<glm::vec3[]> radiance;
-    std::unique_ptr<Surface[]> surfaces;
+    Unfilled<glm::vec3> radiance;
+    Unfilled<Surface> surfaces;
 };
 
 // Where sample `sample` of a pixel looks through the frame, from the pixel's centre, in pixels: distributed

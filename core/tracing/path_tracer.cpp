@@ -316,10 +316,10 @@ Frame PathTracer::frame() const {
     if (samples_ < 1) throw Error("A picture needs at least one sample.");
     Frame frame;
     frame.size = rect_.size();
-    frame.combined = sums_;
+    frame.combined.assign(sums_.begin(), sums_.end());
     for (std::size_t i = 0; i < sums_.size(); ++i)
         frame.combined[i] /= static_cast<float>(row_samples_[i / rect_.size().x]);
-    frame.normal_depth = normal_depth_;
+    frame.normal_depth.assign(normal_depth_.begin(), normal_depth_.end());
     frame.seconds = seconds_;
     return frame;
 }

@@ -100,7 +100,7 @@ template <typename Value>
 struct ProgressivePicture::Raster {
     template <typename Make>
     Raster(const Rect& rectangle, Make make) : rect(rectangle) {
-        values.reserve(std::size_t(rect.size().x) * rect.size().y);
+        values.reserve(rect.pixels());
         for_each_pixel(rect, [&](glm::ivec2 pixel) { values.push_back(make(pixel)); });
     }
     const Value& at(glm::ivec2 pixel) const { return values[rect.place(pixel)]; }
@@ -111,17 +111,16 @@ struct ProgressivePicture::Raster {
 
 // A pixel's surroundings hold windows, these estimates, which look at windows of their own. Pixels of
 // drawn_rect() look for neighbours of the pixels that they see, which are averages of theirs.
-ProgressivePicture::ProgressivePicture(const Rect& rect, const Settings& settings)
-    : settings_(settings),
-      rect_(rect),
-      drawn_rect_(settings.samples > 1 ? grown(rect, surroundings_reach + 2 * window_reach, settings.size)
-                                       : rect),
-      reach_(filter_reach(settings)),
-      first_(grown(drawn_rect_, reach_ + 2, settings.size)),
-      averaged_(std::make_unique_for_overwrite<glm::vec3[]>(first_.pixels)) {
-    if (settings.samples == 1) return;
-    pixels_ =
-        std::make_unique_for_overwrite<Pixel[]>(std::size_t(drawn_rect_.size().x) * drawn_rect_.size().y);
+void ProgressivePicture::begin(const Rect& rect, const Settings& settings) {
+    settings_ = settings;
+    rect_ = rect;
+    drawn_rect_ =
+        settings.samples > 1 ? grown(rect, surroundings_reach + 2 * window_reach, settings.size) : rect;
+    reach_ = filter_reach(settings);
+    first_.begin(grown(drawn_rect_, reach_ + 2, settings.size));
+    averaged_.resize(first_.rect.pixels());
+    pixels_.resize(settings.samples > 1 ? drawn_rect_.pixels() : 0);
+    kernel_.clear();
     for (int i = -reach_; i <= reach_; ++i)
         kernel_.push_back(blackman_harris_share(static_cast<float>(i) - 0.5F, static_cast<float>(i) + 0.5F,
                                                 settings.filter_width));

@@ -7,10 +7,10 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <memory>
 #include <vector>
 
 #include "core/frame.h"
+#include "core/math/unfilled.h"
 #include "core/scene/settings.h"
 #include "core/tracing/bundle_tracer.h"
 
@@ -21,8 +21,9 @@ namespace verglas {
 class ProgressivePicture {
   public:
     // rect: the pixels wanted. Around them, first and drawn samples need margins, as far as the frame has
-    // them. settings must outlive the picture.
-    ProgressivePicture(const Rect& rect, const Settings& settings);
+    // them.
+    // Memory of the picture before serves again.
+    void begin(const Rect& rect, const Settings& settings);
     const Rect& rect() const { return rect_; }
     const Rect& first_rect() const { return first_.rect; }
     const Rect& drawn_rect() const { return drawn_rect_; }
@@ -79,14 +80,14 @@ class ProgressivePicture {
     void resolve_pixel(glm::ivec2 pixel, const glm::vec3& radiance, float covered, Frame& frame) const;
     float drawn_samples() const { return static_cast<float>(settings_.samples - 1); }
 
-    const Settings& settings_;
+    Settings settings_;
     Rect rect_;
     Rect drawn_rect_;
-    int reach_;  // of the pixel filter
+    int reach_ = 0;  // of the pixel filter
     TracedPicture first_;
-    std::unique_ptr<glm::vec3[]> averaged_;  // radiance, in the order of first_
-    std::vector<float> kernel_;              // of offsets -reach … reach, in whole pixels, along one axis
-    std::unique_ptr<Pixel[]> pixels_;
+    Unfilled<glm::vec3> averaged_;  // radiance, in the order of first_
+    std::vector<float> kernel_;     // of offsets -reach … reach, in whole pixels, along one axis
+    Unfilled<Pixel> pixels_;
 };
 
 }  // namespace verglas

@@ -31,6 +31,9 @@ constexpr int tile_size = 8;
 // Tiles of the last step look at pixels around them, for each tile again.
 constexpr int resolved_tile_size = 64;
 
+// Memory of larger pictures isn't kept for the next: 44 bytes a pixel.
+constexpr std::size_t most_kept_pixels = 1 << 22;
+
 // Between two calls of progress.
 constexpr double progress_seconds = 0.01;
 
@@ -87,7 +90,10 @@ class TracedRenderer::Device {
     std::optional<Frame> render(const Scene& scene, const Settings& settings, const Progress& progress);
 
   private:
+    std::optional<Frame> render(const Settings& settings, const Progress& progress, tbb::task_arena& arena);
+
     TracedScene scene_;
+    ProgressivePicture sum_;
     std::mutex rendering_;
 };
 
@@ -97,13 +103,19 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
     const std::lock_guard lock(rendering_);
     tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
     arena.execute([&] { scene_.update(scene); });
+    std::optional<Frame> frame = render(settings, progress, arena);
+    if (sum_.first_rect().pixels() > most_kept_pixels || settings.samples > 1) sum_ = {};
+    return frame;
+}
 
+std::optional<Frame> TracedRenderer::Device::render(const Settings& settings, const Progress& progress,
+                                                    tbb::task_arena& arena) {
     const Clock::time_point begin = Clock::now();
-    ProgressivePicture sum(rendered_rect(settings.size, settings.region), settings);
+    sum_.begin(rendered_rect(settings.size, settings.region), settings);
     Frame frame;
-    frame.size = sum.rect().size();
-    frame.combined.resize(std::size_t(frame.size.x) * frame.size.y);
-    frame.normal_depth.resize(frame.combined.size());
+    frame.size = sum_.rect().size();
+    frame.combined.resize(sum_.rect().pixels());
+    frame.normal_depth.resize(sum_.rect().pixels());
 
     int sample = 0;
     const auto over = [&](const Rect& rect, auto work, int size = tile_size) {
@@ -113,24 +125,25 @@ std::optional<Frame> TracedRenderer::Device::render(const Scene& scene, const Se
             [&] { return !progress || progress(sample, settings.samples); });
     };
     const BundleTracer first(scene_, settings, 0);
-    bool go_on = over(sum.first_rect(), [&](const Rect& tile) { first.trace(tile, sum.first()); }) &&
-                 over(sum.first_rect(), [&](const Rect& tile) { sum.average(tile); });
+    bool go_on = over(sum_.first_rect(), [&](const Rect& tile) { first.trace(tile, sum_.first()); }) &&
+                 over(sum_.first_rect(), [&](const Rect& tile) { sum_.average(tile); });
     const auto draw_further = [&] {
-        bool drawn = over(sum.drawn_rect(), [&](const Rect& tile) { sum.prepare(tile, first); });
-        TracedPicture picture(sum.drawn_rect());
+        bool drawn = over(sum_.drawn_rect(), [&](const Rect& tile) { sum_.prepare(tile, first); });
+        TracedPicture picture;
+        picture.begin(sum_.drawn_rect());
         for (sample = 1; drawn && sample < settings.samples; ++sample) {
             const BundleTracer tracer(scene_, settings, sample);
-            drawn = over(sum.drawn_rect(), [&](const Rect& tile) {
+            drawn = over(sum_.drawn_rect(), [&](const Rect& tile) {
                 tracer.trace(tile, picture);
-                sum.add(tile, picture, sample);
+                sum_.add(tile, picture, sample);
             });
         }
         return drawn &&
                over(
-                   sum.rect(), [&](const Rect& tile) { sum.resolve(tile, frame); }, resolved_tile_size);
+                   sum_.rect(), [&](const Rect& tile) { sum_.resolve(tile, frame); }, resolved_tile_size);
     };
     if (settings.samples == 1)
-        go_on = go_on && over(sum.rect(), [&](const Rect& tile) { sum.resolve_first(tile, first, frame); });
+        go_on = go_on && over(sum_.rect(), [&](const Rect& tile) { sum_.resolve_first(tile, first, frame); });
     else
         go_on = go_on && draw_further();
     if (!go_on) return std::nullopt;
