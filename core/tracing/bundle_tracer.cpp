@@ -2,7 +2,9 @@
 #include "core/tracing/bundle_tracer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include "core/material/microfacet.h"
@@ -128,6 +130,24 @@ struct BundleTracer::Wave {
     }
 };
 
+// What the camera sees along rays.
+struct BundleTracer::View {
+    std::vector<Ray> rays;
+    std::vector<Hit> hits;
+    std::vector<glm::vec3> backgrounds;  // by ray; 0 where something is in front
+    // Of rays that meet nothing: of the map, and what comes from there.
+    std::vector<glm::vec3> directions;
+    std::vector<glm::vec3> radiances;
+
+    void clear() { rays.clear(); }
+    // By parts: a ray that is copied as it was written waits for its memory.
+    void add(const Ray& ray) {
+        Ray& added = rays.emplace_back();
+        added.origin = ray.origin;
+        added.d = ray.d;
+    }
+};
+
 glm::vec2 sample_offset(glm::ivec2 pixel, int sample, const Settings& settings) {
     if (sample == 0) return glm::vec2(0.0F);
     const SobolPoint point(pixel_number(pixel, settings), static_cast<std::uint32_t>(sample), 0);
@@ -159,39 +179,48 @@ void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {
 }
 
 void BundleTracer::look(std::span<const glm::vec2> places, std::span<Sight> sights) const {
-    thread_local std::vector<Ray> rays;
-    thread_local std::vector<Hit> hits;
-    rays.clear();
-    for (const glm::vec2& place : places) rays.push_back(camera_.through(place));
-    hits.resize(rays.size());
-    scene_.rays().intersect(rays, hits);
-    for (std::size_t i = 0; i < rays.size(); ++i)
-        sights[i] =
-            hits[i].object >= 0 ? Sight{hits[i].object, glm::vec3(0.0F)} : Sight{-1, background(rays[i].d)};
+    thread_local View view;
+    view.clear();
+    for (const glm::vec2& place : places) view.add(camera_.through(place));
+    see(view);
+    for (std::size_t i = 0; i < places.size(); ++i) sights[i] = {view.hits[i].object, view.backgrounds[i]};
+}
+
+void BundleTracer::see(View& view) const {
+    view.hits.resize(view.rays.size());
+    scene_.rays().intersect(view.rays, view.hits);
+    view.backgrounds.assign(view.rays.size(), glm::vec3(0.0F));
+    if (settings_.transparent) return;
+    view.directions.clear();
+    for (std::size_t i = 0; i < view.rays.size(); ++i)
+        if (view.hits[i].object < 0) view.directions.push_back(view.rays[i].d);
+    view.radiances.resize(view.directions.size());
+    scene_.incoming_radiance(view.directions, model::LOBE_MIN_SPREAD, view.radiances);
+    auto radiance = view.radiances.begin();
+    for (std::size_t i = 0; i < view.rays.size(); ++i)
+        if (view.hits[i].object < 0) view.backgrounds[i] = *radiance++;
 }
 
 // From the camera to the first interfaces.
 void BundleTracer::start(const Rect& tile, TracedPicture& picture, Wave& next) const {
-    thread_local std::vector<Ray> rays;
-    thread_local std::vector<Hit> hits;
-    rays.clear();
+    thread_local View view;
+    view.clear();
     glm::ivec2 pixel;
     for (pixel.y = tile.begin.y; pixel.y < tile.end.y; ++pixel.y) {
         for (pixel.x = tile.begin.x; pixel.x < tile.end.x; ++pixel.x) {
             const glm::vec2 center = glm::vec2(pixel) + 0.5F;
-            rays.push_back(camera_.through(center + sample_offset(pixel, sample_, settings_)));
+            view.add(camera_.through(center + sample_offset(pixel, sample_, settings_)));
         }
     }
-    hits.resize(rays.size());
-    scene_.rays().intersect(rays, hits);
+    see(view);
     for (pixel.y = tile.begin.y; pixel.y < tile.end.y; ++pixel.y) {
         for (pixel.x = tile.begin.x; pixel.x < tile.end.x; ++pixel.x) {
             const std::size_t place = picture.place(pixel.x, pixel.y);
             const std::size_t i = tile.place(pixel);
             picture.surfaces[place] = Surface::none();
-            picture.radiance[place] = hits[i].object >= 0 ? glm::vec3(0.0F) : background(rays[i].d);
-            if (hits[i].object >= 0)
-                meet({.axis = rays[i].d, .pixel = pixel}, rays[i].d, hits[i], picture, next);
+            picture.radiance[place] = view.backgrounds[i];
+            const glm::vec3& d = view.rays[i].d;
+            if (view.hits[i].object >= 0) meet({.axis = d, .pixel = pixel}, d, view.hits[i], picture, next);
         }
     }
 }
@@ -398,11 +427,6 @@ void BundleTracer::send(const Meeting& meeting, const Branch& branch, const glm:
     next.rays.push_back({beside(meeting.hit, d), d});
 }
 
-// What the camera sees behind everything.
-glm::vec3 BundleTracer::background(const glm::vec3& d) const {
-    return settings_.transparent ? glm::vec3(0.0F) : scene_.incoming_radiance(d, model::LOBE_MIN_SPREAD);
-}
-
 glm::vec3 BundleTracer::looked_up(const Beam& beam) const {
     const float spread = std::max(beam.divergence.spread(), model::LOBE_MIN_SPREAD);
     if (!beam.has_tail) return beam.weight * looked_up(beam, spread);
@@ -417,10 +441,12 @@ glm::vec3 BundleTracer::looked_up(const Beam& beam, float spread) const {
     const model::WideLobe lobe = model::wide_lobe(beam.axis, spread, beam.exit);
     if (glm::dot(lobe.axis, lobe.axis) < least_excess * spread)
         return scene_.incoming_radiance(beam.axis, spread);
-    glm::vec3 sum(0.0F);
-    for (int i = 0; i < model::EXIT_TAPS; ++i)
-        sum += scene_.incoming_radiance(model::tap_direction(lobe, i), lobe.spread);
-    return sum / static_cast<float>(model::EXIT_TAPS);
+    std::array<glm::vec3, model::EXIT_TAPS> directions;
+    std::array<glm::vec3, model::EXIT_TAPS> radiances;
+    for (int i = 0; i < model::EXIT_TAPS; ++i) directions[i] = model::tap_direction(lobe, i);
+    scene_.incoming_radiance(directions, lobe.spread, radiances);
+    return std::accumulate(radiances.begin(), radiances.end(), glm::vec3(0.0F)) /
+           static_cast<float>(model::EXIT_TAPS);
 }
 
 // The light of a branch that isn't followed.

@@ -57,7 +57,7 @@ class BundleTracer {
     // What the camera sees through places of the frame, in pixels from its lower left corner.
     struct Sight {
         int object;            // -1 where nothing is
-        glm::vec3 background;  // where nothing is
+        glm::vec3 background;  // where nothing is; else 0
     };
     void look(std::span<const glm::vec2> places, std::span<Sight> sights) const;
 
@@ -66,7 +66,9 @@ class BundleTracer {
     struct Meeting;
     struct Branch;
     struct Wave;
+    struct View;
 
+    void see(View& view) const;
     void start(const Rect& tile, TracedPicture& picture, Wave& next) const;
     void meet(const Beam& incoming, const glm::vec3& d, const Hit& hit, TracedPicture& picture,
               Wave& next) const;
@@ -79,7 +81,6 @@ class BundleTracer {
     void draw(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void draw_ray(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
     void send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const;
-    glm::vec3 background(const glm::vec3& d) const;
     glm::vec3 looked_up(const Beam& beam) const;
     glm::vec3 looked_up(const Beam& beam, float spread) const;
     glm::vec3 cut_off(const Meeting& meeting, const Branch& branch) const;

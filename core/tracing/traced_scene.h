@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,15 @@ class TracedScene {
         return scene_->environment_color *
                environment_->environment_radiance(glm::normalize(scene_->environment_rotation * direction),
                                                   spread);
+    }
+
+    // The same about many directions, which become those of the map. radiances: as many as directions.
+    void incoming_radiance(std::span<glm::vec3> directions, float spread,
+                           std::span<glm::vec3> radiances) const {
+        for (glm::vec3& direction : directions)
+            direction = glm::normalize(scene_->environment_rotation * direction);
+        environment_->environment_radiance(directions, spread, radiances);
+        for (glm::vec3& radiance : radiances) radiance *= scene_->environment_color;
     }
 
     // Wall time of the parts of the last update(), as Frame::prepare_seconds.

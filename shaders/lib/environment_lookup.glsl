@@ -14,10 +14,8 @@ SHARED int sharper_level(float spread) {
     return level;
 }
 
-// Mean radiance under a lobe of the given spread about a unit direction (in the map's frame). Between two levels
-// it is interpolated linearly in spread, the variance of a narrow lobe, in which diffusion is linear to first order.
-SHARED vec3 environment_radiance(vec3 direction, float spread) {
-    vec2 uv = environment_uv(direction);
+// Mean radiance under a lobe of the given spread about a place of environment_uv. Between two levels it is interpolated linearly in spread, the variance of a narrow lobe, in which diffusion is linear to first order.
+SHARED vec3 environment_radiance_at(vec2 uv, float spread) {
     float spread_0 = environment_spread(0);
     if (spread < spread_0)
         return mix(sample_environment_map(uv), sample_environment_level(0, uv), spread / spread_0);
@@ -25,4 +23,9 @@ SHARED vec3 environment_radiance(vec3 direction, float spread) {
     float sharper = environment_spread(level);
     float t = (spread - sharper) / (environment_spread(level + 1) - sharper);
     return mix(sample_environment_level(level, uv), sample_environment_level(level + 1, uv), clamp(t, 0.0f, 1.0f));
+}
+
+// The same about a unit direction in the map's frame.
+SHARED vec3 environment_radiance(vec3 direction, float spread) {
+    return environment_radiance_at(environment_uv(direction), spread);
 }
