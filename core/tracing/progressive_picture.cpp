@@ -149,8 +149,9 @@ void ProgressivePicture::prepare(const Rect& tile, const BundleTracer& tracer) {
 }
 
 void ProgressivePicture::resolve_first(const Rect& tile, const BundleTracer& tracer, Frame& frame) const {
+    const bool has_edges = has_edge(tile);
     for_each_pixel(tile, [&](glm::ivec2 pixel) {
-        if (!is_edge(pixel))
+        if (!has_edges || !is_edge(pixel))
             return resolve_pixel(pixel, shown(pixel), surface(pixel).object >= 0 ? 1.0F : 0.0F, frame);
         Pixel edge{};
         edge.object = surface(pixel).object;
@@ -159,9 +160,12 @@ void ProgressivePicture::resolve_first(const Rect& tile, const BundleTracer& tra
     });
 }
 
-bool ProgressivePicture::is_edge(glm::ivec2 pixel) const {
-    const int object = surface(pixel).object;
-    const Rect around = Rect{pixel - reach_, pixel + reach_ + 1}.intersected(first_.rect);
+bool ProgressivePicture::is_edge(glm::ivec2 pixel) const { return has_edge({pixel, pixel + 1}); }
+
+// Whether the pixel filter, somewhere in a part, may see more than one object.
+bool ProgressivePicture::has_edge(const Rect& part) const {
+    const int object = surface(part.begin).object;
+    const Rect around = Rect{part.begin - reach_, part.end + reach_}.intersected(first_.rect);
     for (int y = around.begin.y; y < around.end.y; ++y) {
         const Surface* row = &surface({around.begin.x, y});
         for (int i = 0; i < around.size().x; ++i)

@@ -69,6 +69,7 @@ class ProgressivePicture {
     const Pixel& known(glm::ivec2 pixel) const { return pixels_[drawn_rect_.place(pixel)]; }
     glm::vec3 seen(glm::vec2 place, int object, const glm::vec3& otherwise) const;
     bool is_edge(glm::ivec2 pixel) const;
+    bool has_edge(const Rect& part) const;
     void look_through(glm::ivec2 pixel, const BundleTracer& tracer, Pixel& result) const;
     float filtered_part() const;
     glm::vec3 filtered(glm::ivec2 pixel) const;

@@ -128,6 +128,17 @@ struct Packet<16> {
     static constexpr auto intersect = rtcIntersect16;
 };
 
+// What is the same of all rays.
+template <int width>
+void prepare(Packet<width>& packet) {
+    auto& ray = packet.lanes.ray;
+    for (int i = 0; i < width; ++i) {
+        ray.tnear[i] = ray.time[i] = 0.0F;
+        ray.mask[i] = ~0U;
+        ray.id[i] = ray.flags[i] = 0;
+    }
+}
+
 template <typename Lanes>
 void set_lane(Lanes& lanes, int i, const Ray& ray) {
     lanes.ray.org_x[i] = ray.origin.x;
@@ -136,12 +147,7 @@ void set_lane(Lanes& lanes, int i, const Ray& ray) {
     lanes.ray.dir_x[i] = ray.d.x;
     lanes.ray.dir_y[i] = ray.d.y;
     lanes.ray.dir_z[i] = ray.d.z;
-    lanes.ray.tnear[i] = 0.0F;
     lanes.ray.tfar[i] = std::numeric_limits<float>::infinity();
-    lanes.ray.time[i] = 0.0F;
-    lanes.ray.mask[i] = ~0U;
-    lanes.ray.id[i] = 0;
-    lanes.ray.flags[i] = 0;
     lanes.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     lanes.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
 }
@@ -151,7 +157,7 @@ void set_lane(Lanes& lanes, int i, const Ray& ray) {
 constexpr float most_coordinate = 1e8F;
 constexpr float most_inverse_scale = 1e9F;
 
-bool is_traceable(const glm::vec3& origin, const glm::vec3& d) {
+inline bool is_traceable(const glm::vec3& origin, const glm::vec3& d) {
     const glm::vec3 p = glm::abs(origin);
     return p.x <= most_coordinate && p.y <= most_coordinate && p.z <= most_coordinate &&
            glm::dot(d, d) <= 4.0F;
@@ -458,6 +464,7 @@ template <int width>
 void RayScene::intersect_packets(std::span<const Ray> rays, std::span<Hit> hits) const {
     Options options = make_options();
     Packet<width> packet;
+    prepare(packet);
     alignas(64) int valid[width];
     for (std::size_t first = 0; first < rays.size(); first += width) {
         const int count = static_cast<int>(std::min<std::size_t>(width, rays.size() - first));
