@@ -13,7 +13,7 @@ bl_info = {
 
 from importlib import import_module
 
-from . import operators, properties, ui
+from . import operators, preferences, properties, ui
 
 try:
     import_module(".verglas_core", __package__)
@@ -26,6 +26,7 @@ else:
 
 
 def register():
+    preferences.register()
     properties.register()
     engine.register()
     ui.register()
@@ -37,3 +38,4 @@ def unregister():
     ui.unregister()
     engine.unregister()
     properties.unregister()
+    preferences.unregister()

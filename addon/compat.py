@@ -23,6 +23,9 @@ LINEAR_COLOR_SPACES = frozenset({'Linear', 'Linear Rec.709', 'Non-Color', 'Raw'}
 EEVEE = 'BLENDER_EEVEE_NEXT' if (4, 2, 0) <= VERSION < (5, 0, 0) else 'BLENDER_EEVEE'
 """EEVEE's name as a render engine."""
 
+UNIFORM_COLOR_SHADER = 'UNIFORM_COLOR' if VERSION >= (4, 0, 0) else '2D_UNIFORM_COLOR'
+"""Name of Blender's own shader of one colour."""
+
 EXR = {"file_format": 'OPEN_EXR', "color_mode": 'RGB', "color_depth": '32'}
 """Image settings, in the order in which they must be set, for a scene-linear float32 picture."""
 if VERSION >= (5, 0, 0):

@@ -30,7 +30,7 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
         try:
             frame = self._frame(depsgraph)
         except (faults.Fault, core.Error) as fault:
-            self.report({'ERROR'}, str(fault))
+            faults.report(self, fault)
             return
         if frame is not None:
             self._write(frame, depsgraph.view_layer.name)

@@ -71,6 +71,11 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
                     "CPU make the light in the glass more exact",
         default=16, min=1, max=65536, soft_max=256,
     )
+    viewport_samples: IntProperty(
+        name="Viewport Samples",
+        description="Jittered samples for each pixel that the viewport gathers while nothing changes",
+        default=16, min=1, max=65536, soft_max=256,
+    )
     filter_width: FloatProperty(
         name="Filter Width",
         description="Width of the Blackman-Harris pixel filter",

@@ -18,6 +18,16 @@ EXCLUDED_PANELS = {
 DEVICES = {'OPENGL': "OpenGL", 'CPU': "the CPU"}
 """As the user reads them."""
 
+SUBJECT_ICONS = {
+    'Camera': 'CAMERA_DATA',
+    'Image': 'IMAGE_DATA',
+    'Light': 'LIGHT_DATA',
+    'Material': 'MATERIAL',
+    'Scene': 'SCENE_DATA',
+    'World': 'WORLD',
+}
+"""Beside what warnings are about, by the first word of faults.subject."""
+
 
 class VerglasPanel:
     bl_space_type = 'PROPERTIES'
@@ -40,14 +50,29 @@ class VERGLAS_RENDER_PT_messages(VerglasPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and bool(faults.warnings())
+        return super().poll(context) and any(faults.listed())
 
     def draw_settings(self, context, layout):
         characters = max(20, int(context.region.width / context.preferences.system.ui_scale / 7.0))
-        for sentence in faults.warnings():
-            column = layout.column(align=True)
-            for i, line in enumerate(textwrap.wrap(sentence, characters)):
-                column.label(text=line, icon='NONE' if i else 'ERROR')
+        broken, groups = faults.listed()
+        for sentence in broken:
+            _draw_sentence(layout, sentence, characters, 'CANCEL')
+        for subject, sentences in groups.items():
+            box = layout.box().column()
+            if subject:
+                box.label(text=subject, icon=_icon_of(subject))
+            for sentence in sentences:
+                _draw_sentence(box, sentence, characters, 'ERROR')
+
+
+def _icon_of(subject: str) -> str:
+    return SUBJECT_ICONS.get(subject.split(" ", 1)[0], 'OBJECT_DATA')
+
+
+def _draw_sentence(layout: bpy.types.UILayout, sentence: str, characters: int, icon: str) -> None:
+    column = layout.column(align=True)
+    for i, line in enumerate(textwrap.wrap(sentence, characters)):
+        column.label(text=line, icon='BLANK1' if i else icon)
 
 
 class VERGLAS_RENDER_PT_sampling(VerglasPanel, bpy.types.Panel):
@@ -70,7 +95,8 @@ class VERGLAS_RENDER_PT_sampling(VerglasPanel, bpy.types.Panel):
         else:
             if 'OPENGL' in devices.in_use(context.scene) or settings.traced_final:
                 layout.column(heading="Final Frames").prop(settings, "traced_final", text="Traced")
-            layout.prop(settings, "samples")
+            layout.prop(settings, "samples", text="Render Samples")
+        layout.prop(settings, "viewport_samples")
         layout.prop(settings, "filter_width")
 
 
