@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import compat, devices, faults, renderer, sync, viewport
+from . import compat, devices, faults, preview, renderer, sync, viewport
 from . import verglas_core as core
 from .sync import camera, settings
 
@@ -13,6 +13,7 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
     bl_label = "Verglas"
     bl_use_shading_nodes_custom = False
     bl_use_eevee_viewport = True
+    bl_use_preview = True
 
     viewport_picture: viewport.Picture | None = None
     told: tuple[int, int] | None = None
@@ -26,7 +27,10 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
             self.register_pass(scene, view_layer, "Normal", 3, "XYZ", 'VECTOR')
 
     def render(self, depsgraph):
-        """One view layer of one frame."""
+        """One view layer of one frame, or a preview icon."""
+        if self.is_preview:
+            self._render_preview(depsgraph)
+            return
         try:
             frame = self._frame(depsgraph)
         except (faults.Fault, core.Error) as fault:
@@ -34,6 +38,15 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
             return
         if frame is not None:
             self._write(frame, depsgraph.view_layer.name)
+
+    def _render_preview(self, depsgraph: bpy.types.Depsgraph) -> None:
+        """A fault leaves the icon empty: it is told of where the user renders."""
+        camera_object = depsgraph.scene_eval.camera
+        try:
+            frame = preview.frame_of(depsgraph, camera_object, self.resolution_x, self.resolution_y)
+        except core.Error:
+            return
+        self._write(frame, depsgraph.view_layer.name)
 
     def _frame(self, depsgraph: bpy.types.Depsgraph) -> core.Frame | None:
         """None when the user has cancelled."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The process's two core renderers, one for each device. Each is made when it is first needed, and what it
-has prepared stays with it from frame to frame. It makes one picture at a time; they don't wait for each
-other."""
+"""The process's core renderers: one for each device, and one for preview icons. Each is made when it is first
+needed, and what it has prepared stays with it from frame to frame. It makes one picture at a time; they don't
+wait for each other."""
 
 import atexit
 import threading
@@ -50,6 +50,14 @@ class _Device:
 
 _devices = {'OPENGL': _Device(core.Renderer), 'CPU': _Device(core.TracedRenderer)}
 
+_previews = _Device(core.TracedRenderer)
+"""Its own, so that icons wait for no final frame, nor a viewport for them."""
+
+
+def render_preview(scene: core.Scene, settings: core.Settings) -> core.Frame:
+    """Raises core.Error."""
+    return _previews.render(scene, settings, None)
+
 
 def render(device: str, scene: core.Scene, settings: core.Settings,
            progress: Progress | None = None) -> core.Frame | None:
@@ -84,7 +92,7 @@ def opengl_name() -> str | None:
 
 def _free() -> None:
     devices.automatic = None
-    for device in _devices.values():
+    for device in (*_devices.values(), _previews):
         device.free()
 
 
