@@ -40,11 +40,11 @@ def _warn_of_features(scene: bpy.types.Scene, warn: Warn) -> None:
 
 
 def viewport(scene: bpy.types.Scene, width: int, height: int) -> core.Settings:
-    """Of a quick picture of width x height pixels: one sample."""
+    """Of a picture of width x height pixels in the viewport."""
     settings = core.Settings()
     settings.width = width
     settings.height = height
-    settings.samples = 1
+    settings.samples = scene.verglas.viewport_samples
     settings.filter_width = scene.verglas.filter_width
     settings.transparent = scene.render.film_transparent
     settings.transport = scene.verglas.transport
