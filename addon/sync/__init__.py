@@ -6,16 +6,25 @@ import bpy
 from .. import compat
 from .. import verglas_core as core
 from ..faults import Warn
-from . import changes, images, meshes, objects, painting, tangents, world
+from . import changes, images, objects, readings, viewports, world
+from .cache import Client
+from .viewports import view_state
+
+__all__ = ["register", "scene_from", "unregister", "view_state"]
 
 
-def scene_from(depsgraph: bpy.types.Depsgraph, warn: Warn) -> core.Scene:
-    """All but the camera."""
+def scene_from(depsgraph: bpy.types.Depsgraph, warn: Warn,
+               space: bpy.types.SpaceView3D | None = None) -> core.Scene:
+    """All but the camera. space: as this viewport shows it."""
     scene = core.Scene()
-    world.set_environment(scene, compat.world_of(depsgraph), warn)
-    objects.add_objects(scene, depsgraph, warn)
-    for kept in (images, meshes, painting, tangents, world):
-        kept.sweep()
+    if space is not None and viewports.has_studio_light(space):
+        viewports.set_studio_light(scene, space.shading, warn)
+    else:
+        world.set_environment(scene, compat.world_of(depsgraph), warn, depsgraph.mode == 'RENDER')
+    objects.add_objects(scene, depsgraph, warn, space)
+    client = Client.of(depsgraph, space)
+    for kept in (images, readings, world):
+        kept.sweep(client)
     return scene
 
 

@@ -4,37 +4,47 @@ out of date."""
 
 import bpy
 
-from . import images, meshes, painting, tangents, world
+from . import images, readings, world
 
-SHAPES = (bpy.types.Object, bpy.types.Mesh, bpy.types.Curve, bpy.types.MetaBall)
-"""Kinds of data whose changes of geometry change meshes."""
+SHAPES = (bpy.types.Mesh, bpy.types.Curve, bpy.types.MetaBall)
+"""Kinds of data that objects have their meshes of."""
 
 
 @bpy.app.handlers.persistent
 def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+    """Of viewports: a final frame's depsgraph is new, and in it everything has changed."""
+    if depsgraph.mode == 'RENDER':
+        return
     for update in depsgraph.updates:
-        if isinstance(update.id, bpy.types.Image):
-            images.note_change(update.id)
-        elif update.is_updated_geometry and isinstance(update.id, SHAPES):
-            meshes.note_change()
+        changed = update.id
+        if isinstance(changed, bpy.types.Object):
+            if update.is_updated_geometry:
+                readings.note_object(changed)
+            if changed.type == 'META':
+                readings.note_metaballs()
+        elif isinstance(changed, SHAPES):
+            readings.note_data(changed)
+        elif isinstance(changed, bpy.types.Image):
+            images.note_change(changed)
 
 
 @bpy.app.handlers.persistent
 def _on_undo(*_) -> None:
     """Undo replaces all data."""
     images.note_all_changes()
-    meshes.note_change()
+    readings.note_all()
 
 
 @bpy.app.handlers.persistent
 def _on_load(*_) -> None:
     images.note_all_changes()
-    for kept in (meshes, painting, tangents, world):
-        kept.clear()
+    readings.clear()
+    world.clear()
 
 
 HANDLERS = (
     (bpy.app.handlers.depsgraph_update_post, _on_update),
+    (bpy.app.handlers.frame_change_post, _on_update),
     (bpy.app.handlers.undo_post, _on_undo),
     (bpy.app.handlers.redo_post, _on_undo),
     (bpy.app.handlers.load_pre, _on_load),

@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import compat
 from .. import verglas_core as core
-from .cache import Cache
+from .cache import Cache, Client
 
 
 class Unreadable(Exception):
@@ -54,6 +54,8 @@ MISSING = (1.0, 0.0, 1.0, 1.0)
 _pictures = Cache()
 _generations: dict[str, int] = {}
 _counter = itertools.count(1)
+_all_changed = 0
+"""The generation of all others."""
 
 
 def name_of(image: bpy.types.Image) -> str:
@@ -67,13 +69,15 @@ def note_change(image: bpy.types.Image) -> None:
 
 
 def note_all_changes() -> None:
+    global _all_changed
+    _all_changed = next(_counter)
     _generations.clear()
     _pictures.clear()
 
 
-def sweep() -> None:
-    """Forgets the pixels of images that weren't asked for since the last sweep."""
-    _pictures.sweep()
+def sweep(client: Client) -> None:
+    """As Cache.sweep."""
+    _pictures.sweep(client)
 
 
 def picture(image: bpy.types.Image, check: bool) -> Picture:
@@ -85,8 +89,13 @@ def picture(image: bpy.types.Image, check: bool) -> Picture:
         pixels = _pixels(image)
         key = (*_state(image), zlib.crc32(pixels))
         return _pictures.get(key, lambda: _picture_of(key, pixels, image))
-    key = (*_state(image), _generations.get(name_of(image), 0))
+    key = version(image)
     return _pictures.get(key, lambda: _picture_of(key, _pixels(image), image))
+
+
+def version(image: bpy.types.Image) -> tuple[Hashable, ...]:
+    """Differs once Blender has told of a change of its pixels."""
+    return (*_state(image), _generations.get(name_of(image), _all_changed))
 
 
 def _state(image: bpy.types.Image) -> tuple[Hashable, ...]:
@@ -115,7 +124,7 @@ def _tiled(image: bpy.types.Image) -> Picture:
     if lost is not None:
         raise Unreadable(f"has a tile that can't be read ('{lost}')")
     times = tuple(os.stat(path).st_mtime_ns for path in paths.values())
-    key = (*_state(image), tuple(paths), times, _generations.get(name_of(image), 0))
+    key = (*version(image), tuple(paths), times)
     return _pictures.get(key, lambda: _beside_each_other(key, image, paths))
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender materials to core materials, with the meaning that Cycles gives to the standard nodes."""
 
+from collections.abc import Hashable
+
 import bpy
 import numpy as np
 
@@ -32,6 +34,14 @@ class Glass(core.Material):
     """what bends the normals"""
     bake_resolution = 1024
     """texels along the side of a texture that stands for it, where one has to be baked"""
+
+    @property
+    def painting_key(self) -> Hashable:
+        """Equal where the same textures stand for what varies; a value's change leaves it as it is."""
+        normals, heights = self.relief
+        return (self.roughness_map and self.roughness_map.key,
+                normals and (normals.colors.key, normals.space, normals.uv_map),
+                heights and heights.heights.key, self.bake_resolution)
 
 
 def default_glass(name: str) -> Glass:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Evaluated Blender meshes to core meshes."""
 
+import itertools
 import zlib
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ from .. import compat
 from .. import verglas_core as core
 from ..faults import Warn
 from . import nodes
-from .cache import Cache
+from .cache import Shared
 
 
 class MeshArrays(NamedTuple):
@@ -28,36 +29,17 @@ class MeshArrays(NamedTuple):
     """(T,) int32 material slot"""
     used_slots: tuple[int, ...]
     """the distinct ones of slots"""
+    number: int
+    """of its own, as what it is known by"""
 
 
-_arrays = Cache()
-_meshes = Cache()
-_generation = 0
+def are_equal(a: MeshArrays, b: MeshArrays) -> bool:
+    """Whether they hold the same mesh."""
+    return all(np.array_equal(x, y) for x, y in zip(a[:5], b[:5]))
 
 
-def note_change() -> None:
-    """Blender's meshes are read again when they are needed next."""
-    global _generation
-    _generation += 1
-
-
-def sweep() -> None:
-    """Forgets what wasn't asked for since the last sweep."""
-    _arrays.sweep()
-    _meshes.sweep()
-
-
-def clear() -> None:
-    _arrays.clear()
-    _meshes.clear()
-
-
-def arrays_of(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> MeshArrays:
-    """As read(); those of the viewport's are kept until a mesh changes."""
-    if depsgraph.mode != 'VIEWPORT':
-        return read(evaluated)
-    key = (depsgraph.as_pointer(), evaluated.data.as_pointer(), _generation)
-    return _arrays.get(key, lambda: read(evaluated))
+_numbers = itertools.count()
+_meshes = Shared()
 
 
 def read(evaluated: bpy.types.Object) -> MeshArrays:
@@ -67,16 +49,16 @@ def read(evaluated: bpy.types.Object) -> MeshArrays:
     try:
         mesh.calc_loop_triangles()
         slots = _get(mesh.loop_triangles, "material_index", 1, np.intc).reshape(-1)
-        used_slots = tuple(np.unique(slots).tolist())
+        used_slots = tuple(np.flatnonzero(np.bincount(slots)).tolist())
         positions = _get(mesh.vertices, "co", 3, np.float32)
         corners = _get(mesh.loop_triangles, "loops", 3, np.intc)
         if compat.has_vertex_normals(mesh):
             normals = _get(mesh.vertex_normals, "vector", 3, np.float32)
             triangles = _get(mesh.loop_triangles, "vertices", 3, np.intc)
-            return MeshArrays(positions, normals, triangles, corners, slots, used_slots)
+            return MeshArrays(positions, normals, triangles, corners, slots, used_slots, next(_numbers))
         vertex_of_corner = _get(mesh.loops, "vertex_index", 1, np.intc).reshape(-1)
         positions, normals = positions[vertex_of_corner], compat.corner_normals(mesh)
-        return MeshArrays(positions, normals, corners, corners, slots, used_slots)
+        return MeshArrays(positions, normals, corners, corners, slots, used_slots, next(_numbers))
     finally:
         evaluated.to_mesh_clear()
 
@@ -88,11 +70,13 @@ TEXTURE_COORDINATES = {"uvs": 2, "normal_uvs": 2, "tangents": 4, "height_uvs": 2
 def to_core(name: str, arrays: MeshArrays, slots: frozenset[int],
             coordinates: dict[str, dict[int, np.ndarray]]) -> core.Mesh:
     """Only the triangles of these material slots. coordinates: by their names in TEXTURE_COORDINATES,
-    (T, 3, 2 or 4) of a slot's triangles' corners where it needs them. The same mesh as of late, where
-    nothing has changed."""
-    kept = np.isin(arrays.slots, list(slots))
-    positions, normals, triangles = arrays.positions, arrays.normals, arrays.triangles[kept]
-    slot_of_triangle = arrays.slots[kept]
+    (T, 3, 2 or 4) of a slot's triangles' corners where it needs them. The same mesh as before, while that is
+    in use and nothing has changed."""
+    positions, normals, triangles = arrays.positions, arrays.normals, arrays.triangles
+    slot_of_triangle = arrays.slots
+    if not slots.issuperset(arrays.used_slots):
+        kept = np.isin(slot_of_triangle, list(slots))
+        triangles, slot_of_triangle = triangles[kept], slot_of_triangle[kept]
     of_vertices = {}
     if coordinates:
         of_corners = np.concatenate([_of_all(slot_of_triangle, by_slot, TEXTURE_COORDINATES[key])
@@ -101,11 +85,10 @@ def to_core(name: str, arrays: MeshArrays, slots: frozenset[int],
         positions, normals = positions[source], normals[source]
         ends = np.cumsum([TEXTURE_COORDINATES[key] for key in coordinates])
         of_vertices = dict(zip(coordinates, np.split(values, ends[:-1], axis=1)))
-    content = (positions, normals, triangles, slot_of_triangle)
-    sums = tuple((len(each), zlib.crc32(np.ascontiguousarray(each)))
-                 for each in (*content, *of_vertices.values()))
-    key = (name, *of_vertices, *sums)
-    return _meshes.get(key, lambda: core.Mesh(name, *content, **of_vertices))
+    sums = tuple((kind, zlib.crc32(np.ascontiguousarray(values))) for kind, values in of_vertices.items())
+    key = (name, arrays.number, slots, sums)
+    return _meshes.get(key, lambda: core.Mesh(name, positions, normals, triangles, slot_of_triangle,
+                                              **of_vertices))
 
 
 def _of_all(slot_of_triangle: np.ndarray, by_slot: dict[int, np.ndarray], width: int) -> np.ndarray:
@@ -131,9 +114,14 @@ def _split_at_seams(triangles: np.ndarray, of_corners: np.ndarray,
     return source, split, np.concatenate([values, of_corners[differs]])
 
 
+def name_of(evaluated: bpy.types.Object) -> str:
+    """Of the object's data, as the user knows it: an evaluated mesh has another name in Edit Mode."""
+    return (evaluated.original.data or evaluated.data).name
+
+
 def title(evaluated: bpy.types.Object) -> str:
     """What warnings of an object's mesh begin with. Of objects that share one, the first is named."""
-    mesh = evaluated.data.name
+    mesh = name_of(evaluated)
     return f"Object '{evaluated.name}'" + (f" (mesh '{mesh}')" if mesh != evaluated.name else "")
 
 
@@ -141,7 +129,7 @@ class Surface:
     """The triangles of one material slot, and what nodes can ask about them."""
 
     def __init__(self, evaluated: bpy.types.Object, arrays: MeshArrays, slot: int, warn: Warn):
-        self.name = evaluated.data.name
+        self.name = name_of(evaluated)
         self.title = title(evaluated)
         self._evaluated = evaluated
         self._arrays = arrays

@@ -9,7 +9,8 @@ import numpy as np
 
 from .. import verglas_core as core
 from ..faults import Warn
-from . import materials, meshes, painting, tangents
+from . import materials, meshes, painting, tangents, viewports
+from .readings import Reading, Readings
 
 UNSUPPORTED = {
     'CURVES': "Hair curves",
@@ -22,16 +23,20 @@ UNSUPPORTED = {
 """Object types that other engines render and this one doesn't yet."""
 
 
-def add_objects(scene: core.Scene, depsgraph: bpy.types.Depsgraph, warn: Warn) -> None:
-    """Adds all that the view layer renders. Curves, surfaces, text and metaballs come as instances
-    of type MESH as well, made by Blender; only those count."""
+def add_objects(scene: core.Scene, depsgraph: bpy.types.Depsgraph, warn: Warn,
+                space: bpy.types.SpaceView3D | None = None) -> None:
+    """Adds all that the view layer renders or, with a space, that this viewport shows. Curves, surfaces, text
+    and metaballs come as instances of type MESH as well, made by Blender; only those count."""
     sync = _Sync(scene, depsgraph, warn)
     for instance in depsgraph.object_instances:
-        sync.add(instance)
+        if instance.show_self:
+            sync.add(instance, space)
+    sync.finish()
 
 
 class _Painted(NamedTuple):
     """What varies of a material, on the triangles of a slot."""
+    warnings: tuple[str, ...]
     roughness: painting.Painting | None
     normals: painting.Painting | None
     tangents: np.ndarray | None
@@ -50,6 +55,16 @@ class _Painted(NamedTuple):
         return tuple(painted and painted.texture for painted in (self.roughness, self.normals, self.heights))
 
 
+_NOT_PAINTED = _Painted((), None, None, None, None)
+
+
+class _Model(NamedTuple):
+    """What instances of an object have in common."""
+    mesh: core.Mesh
+    materials: list[int]
+    """as core.Scene.add_object's"""
+
+
 class _Sync:
     """One pass over the instances, with what they share."""
 
@@ -58,84 +73,106 @@ class _Sync:
         self.warn = warn
         self.depsgraph = depsgraph
         self.material_override = depsgraph.view_layer_eval.material_override
-        self.arrays: dict[int, meshes.MeshArrays] = {}
-        """by the mesh's address, which holds while the depsgraph isn't evaluated again"""
-        self.core_meshes: dict[Hashable, core.Mesh] = {}
-        """by the mesh's address, its slots that are glass, and the materials of slots with textures"""
+        self.readings = Readings(depsgraph)
+        self.models: dict[tuple[str, int], _Model | None] = {}
+        """by the object's name with library and its mesh's address, which holds while the depsgraph isn't
+        evaluated again; None where there is nothing to draw"""
         self.glasses: dict[str, materials.Glass | None] = {}
         """by the material's name with library; None where it isn't glass"""
-        self.painted: dict[tuple[int, int, str], _Painted] = {}
-        """by the mesh's address, slot and material"""
         self.material_indices: dict[Hashable, int] = {}
         """by the material and its textures"""
 
-    def add(self, instance: bpy.types.DepsgraphObjectInstance) -> None:
+    def add(self, instance: bpy.types.DepsgraphObjectInstance, space: bpy.types.SpaceView3D | None) -> None:
         obj = instance.object
-        if not instance.show_self:
-            return
-        if obj.type in UNSUPPORTED:
+        is_shown = space is None or viewports.shows(space, obj)
+        if obj.type in UNSUPPORTED and is_shown:
             self.warn(f"{UNSUPPORTED[obj.type]} '{obj.name}' isn't supported yet; it is left out.")
-        if obj.type != 'MESH' or not obj.visible_camera:
+        if obj.type != 'MESH':
             return
-        self._warn_of_features(obj)
+        self.readings.touch(obj)
+        if not is_shown:
+            return
+        key = (obj.name_full, obj.data.as_pointer())
+        if key not in self.models:
+            self.models[key] = self._model(obj)
+        model = self.models[key]
+        if model is None:
+            return
         matrix = np.array(instance.matrix_world, np.float32)
-        if not self._has_volume(obj, matrix):
-            return
-        arrays = self._arrays(obj)
-        if len(arrays.triangles) == 0:
-            return
-        keys_of_slots = self._materials(obj, arrays.used_slots)
-        if keys_of_slots:
-            painted = {slot: self._paint(obj, arrays, slot, key) for slot, key in keys_of_slots.items()}
-            indices = {slot: self._index(key, painted[slot]) for slot, key in keys_of_slots.items()}
-            # Triangles of the slots that aren't glass are not in the mesh: any index does for those
-            table = [indices.get(slot, 0) for slot in range(max(indices) + 1)]
-            mesh = self._core_mesh(obj, arrays, keys_of_slots, painted)
-            self.scene.add_object(obj.name, mesh, matrix, table)
+        if self._has_volume(obj, matrix):
+            self.scene.add_object(obj.name, model.mesh, matrix, model.materials)
+
+    def finish(self) -> None:
+        self.readings.finish()
+
+    def _model(self, obj: bpy.types.Object) -> _Model | None:
+        if not obj.visible_camera:
+            return None
+        self._warn_of_features(obj)
+        reading = self.readings.of(obj)
+        if len(reading.arrays.triangles) == 0:
+            return None
+        keys_of_slots = self._materials(obj, reading.arrays.used_slots)
+        if not keys_of_slots:
+            return None
+        painted = {slot: self._paint(obj, reading, slot, key) for slot, key in keys_of_slots.items()}
+        indices = {slot: self._index(key, painted[slot]) for slot, key in keys_of_slots.items()}
+        # Triangles of the slots that aren't glass are not in the mesh: any index does for those
+        table = [indices.get(slot, 0) for slot in range(max(indices) + 1)]
+        return _Model(self._core_mesh(obj, reading, keys_of_slots, painted), table)
 
     def _has_volume(self, obj: bpy.types.Object, matrix: np.ndarray) -> bool:
         """Whether the object's transform leaves glass to look through."""
-        if np.isfinite(matrix).all() and np.linalg.det(matrix[:3, :3].astype(float)) != 0.0:
+        determinant = np.linalg.det(matrix[:3, :3].astype(float))
+        if determinant != 0.0 and np.isfinite(matrix).all():
             return True
         self.warn(f"Object '{obj.name}' is scaled to 0 or has a transform that is no number; it is left out.")
         return False
 
-    def _arrays(self, obj: bpy.types.Object) -> meshes.MeshArrays:
-        key = obj.data.as_pointer()
-        if key not in self.arrays:
-            self.arrays[key] = meshes.arrays_of(obj, self.depsgraph)
-        return self.arrays[key]
-
-    def _core_mesh(self, obj: bpy.types.Object, arrays: meshes.MeshArrays, keys_of_slots: dict[int, str],
+    def _core_mesh(self, obj: bpy.types.Object, reading: Reading, keys_of_slots: dict[int, str],
                    painted: dict[int, _Painted]) -> core.Mesh:
         by_slot = {slot: each.coordinates for slot, each in painted.items()}
-        textured = frozenset((slot, keys_of_slots[slot]) for slot, found in by_slot.items() if found)
-        key = (obj.data.as_pointer(), frozenset(keys_of_slots), textured)
-        if key not in self.core_meshes:
+        textured = frozenset(self._paint_key(obj, slot, keys_of_slots[slot])
+                             for slot, found in by_slot.items() if found)
+        slots = frozenset(keys_of_slots)
+
+        def make() -> core.Mesh:
             by_name = {name: {slot: found[name] for slot, found in by_slot.items() if name in found}
                        for name in meshes.TEXTURE_COORDINATES}
-            mesh = meshes.to_core(obj.data.name, arrays, frozenset(keys_of_slots),
+            return meshes.to_core(meshes.name_of(obj), reading.arrays, slots,
                                   {name: found for name, found in by_name.items() if found})
-            self.core_meshes[key] = mesh
-            for sentence in mesh.warnings:
-                self.warn(meshes.title(obj) + sentence.removeprefix(f"Mesh '{mesh.name}'"))
-        return self.core_meshes[key]
+        mesh = reading.get((meshes.name_of(obj), slots, textured), make)
+        for sentence in mesh.warnings:
+            self.warn(meshes.title(obj) + sentence.removeprefix(f"Mesh '{mesh.name}'"))
+        return mesh
 
-    def _paint(self, obj: bpy.types.Object, arrays: meshes.MeshArrays, slot: int, material: str) -> _Painted:
-        key = (obj.data.as_pointer(), slot, material)
-        if key not in self.painted:
-            glass = self.glasses[material]
-            surface = meshes.Surface(obj, arrays, slot, self.warn)
-            normals, of_tangents = self._normals(surface, glass)
+    def _paint_key(self, obj: bpy.types.Object, slot: int, material: str) -> Hashable:
+        """What a _Painted depends on beside the mesh; the title is for its warnings."""
+        return slot, material, self.glasses[material].painting_key, meshes.title(obj)
+
+    def _paint(self, obj: bpy.types.Object, reading: Reading, slot: int, material: str) -> _Painted:
+        def make() -> _Painted:
+            warnings: list[str] = []
+            surface = meshes.Surface(obj, reading.arrays, slot, warnings.append)
+            normals, of_tangents = self._normals(surface, glass, warnings.append)
             heights = glass.relief.heights
-            self.painted[key] = _Painted(
-                glass.roughness_map and painting.paint(glass.roughness_map, surface, glass.bake_resolution),
-                normals, of_tangents,
-                heights and painting.paint(heights.heights, surface, glass.bake_resolution, has_slopes=True))
-        return self.painted[key]
+            roughness = glass.roughness_map and painting.paint(glass.roughness_map, surface,
+                                                               glass.bake_resolution)
+            painted = heights and painting.paint(heights.heights, surface, glass.bake_resolution,
+                                                 has_slopes=True)
+            return _Painted(tuple(warnings), roughness, normals, of_tangents, painted)
 
-    def _normals(self, surface: meshes.Surface,
-                 glass: materials.Glass) -> tuple[painting.Painting | None, np.ndarray | None]:
+        glass = self.glasses[material]
+        if glass.roughness_map is None and glass.relief == (None, None):
+            return _NOT_PAINTED
+        painted = reading.get(self._paint_key(obj, slot, material), make)
+        for sentence in painted.warnings:
+            self.warn(sentence)
+        return painted
+
+    @staticmethod
+    def _normals(surface: meshes.Surface, glass: materials.Glass,
+                 warn: Warn) -> tuple[painting.Painting | None, np.ndarray | None]:
         """Of a normal map: its colours, and its tangents, which only a map in tangent space has."""
         normals = glass.relief.normals
         if normals is None:
@@ -143,8 +180,8 @@ class _Sync:
         name, of_tangents = normals.uv_map, None
         if normals.space == 'TANGENT':
             if not surface.has_uv_map(name):
-                self.warn(f"{surface.title} has no UV map{f' {name!r}' if name else ''} for the normal "
-                          f"map of material '{glass.name}'; it keeps its own normals.")
+                warn(f"{surface.title} has no UV map{f' {name!r}' if name else ''} for the normal map of "
+                     f"material '{glass.name}'; it keeps its own normals.")
                 return None, None
             of_tangents = tangents.of_surface(surface, name)
         return painting.paint(normals.colors, surface, glass.bake_resolution), of_tangents

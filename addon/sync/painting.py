@@ -3,13 +3,13 @@
 
 import zlib
 from collections.abc import Callable
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
 from .. import verglas_core as core
 from . import atlas
-from .cache import Cache
+from .cache import Shared
 from .expressions import NUMBERS, Expression, Leaf, Points, Texels
 from .meshes import Surface
 
@@ -23,26 +23,16 @@ CHUNK = 1 << 18
 """Points that are evaluated at a time."""
 
 
-class Painting(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Painting:
     """An expression on the triangles of a surface."""
     texture: core.Texture | core.VectorTexture
     uvs: np.ndarray
     """(T, 3, 2) float32 of the triangles' corners"""
 
 
-_textures = Cache()
-_paintings = Cache()
-
-
-def sweep() -> None:
-    """Forgets what wasn't asked for since the last sweep."""
-    _textures.sweep()
-    _paintings.sweep()
-
-
-def clear() -> None:
-    _textures.clear()
-    _paintings.clear()
+_textures = Shared()
+_paintings = Shared()
 
 
 def paint(expression: Expression, surface: Surface, resolution: int, has_slopes: bool = False) -> Painting:

@@ -7,19 +7,10 @@ import zlib
 
 import numpy as np
 
-from .cache import Cache
+from .cache import Shared
 from .meshes import Surface
 
-_tangents = Cache()
-
-
-def sweep() -> None:
-    """Forgets what wasn't asked for since the last sweep."""
-    _tangents.sweep()
-
-
-def clear() -> None:
-    _tangents.clear()
+_tangents = Shared()
 
 
 def of_surface(surface: Surface, uv_map: str) -> np.ndarray:

@@ -12,7 +12,7 @@ from .. import compat
 from .. import verglas_core as core
 from ..faults import Warn
 from . import images, nodes
-from .cache import Cache
+from .cache import Cache, Client
 
 MISSING_COLOR = np.array((1.0, 0.0, 1.0), np.float32)
 """What Blender shows for an image that can't be read."""
@@ -21,8 +21,10 @@ _maps = Cache()
 """Environment maps by content: one is costly to prepare."""
 
 
-def set_environment(scene: core.Scene, world: bpy.types.World | None, warn: Warn) -> None:
-    """Fills scene's environment from the world."""
+def set_environment(scene: core.Scene, world: bpy.types.World | None, warn: Warn,
+                    check_images: bool = True) -> None:
+    """Fills scene's environment from the world. check_images: reads pixels that are in no file even if
+    Blender hasn't told of a change; scripts can write them without its knowing."""
     if world is None:
         warn("The scene has no world: nothing lights the glass.")
         return
@@ -45,14 +47,14 @@ def set_environment(scene: core.Scene, world: bpy.types.World | None, warn: Warn
         node.warn("isn't equirectangular, which isn't supported yet; the Background's own color is used")
         scene.environment_color = strength * np.array(background.node.inputs["Color"].default_value[:3])
         return
-    scene.environment_map = _map_of(node, owner, warn)
+    scene.environment_map = _map_of(node, owner, warn, check_images)
     scene.environment_color = strength * (MISSING_COLOR if scene.environment_map is None else np.ones(3))
     scene.environment_rotation = _rotation(node)
 
 
-def sweep() -> None:
-    """Forgets the maps that weren't asked for since the last sweep."""
-    _maps.sweep()
+def sweep(client: Client) -> None:
+    """As Cache.sweep."""
+    _maps.sweep(client)
 
 
 def clear() -> None:
@@ -106,14 +108,14 @@ def _mapping_rotation(mapping: nodes.Node) -> np.ndarray:
     return matrix.T if kind == 'TEXTURE' else matrix
 
 
-def _map_of(texture: nodes.Node, owner: str, warn: Warn) -> core.EnvironmentMap | None:
+def _map_of(texture: nodes.Node, owner: str, warn: Warn, check_images: bool) -> core.EnvironmentMap | None:
     """None, and one warning, where there is no readable image."""
     image = texture.node.image
     if image is None:
         texture.warn("has no image; it is rendered in magenta")
         return None
     try:
-        environment = _load(image, texture)
+        environment = _load(image, texture, check_images)
     except core.Error as fault:
         warn(f"{owner}: image '{image.name}' is rendered in magenta. {fault}")
         return None
@@ -122,25 +124,34 @@ def _map_of(texture: nodes.Node, owner: str, warn: Warn) -> core.EnvironmentMap 
     return environment
 
 
-def _load(image: bpy.types.Image, texture: nodes.Node) -> core.EnvironmentMap:
+def load_file(path: str, is_srgb: bool) -> core.EnvironmentMap:
+    """Raises core.Error with the path."""
+    return _maps.get((path, _mtime(path), is_srgb), lambda: core.EnvironmentMap.load(path, srgb=is_srgb))
+
+
+def _load(image: bpy.types.Image, texture: nodes.Node, check_images: bool) -> core.EnvironmentMap:
     """From the file where the core can read it itself, else from Blender's pixels."""
     color_space = image.colorspace_settings.name
     is_srgb = color_space == 'sRGB'
     is_known = is_srgb or color_space in compat.LINEAR_COLOR_SPACES
     if image.source == 'FILE' and is_known and not (image.packed_file or image.is_dirty):
-        path = images.absolute_path(image)
-        key = (path, _mtime(path), is_srgb)
-        return _maps.get(key, lambda: core.EnvironmentMap.load(path, srgb=is_srgb))
+        return load_file(images.absolute_path(image), is_srgb)
     if image.source not in {'FILE', 'GENERATED'}:
         texture.warn(f"has an image of type {image.source.title()}, of which one picture is rendered")
-    pixels = _pixels(image)
     if not (image.is_float or is_known):
         texture.warn(f"has an image in the color space '{color_space}', which isn't supported yet; "
                      "it is read as linear")
+    if check_images:
+        pixels = _pixels(image)
+        key = (image.name_full, is_srgb, hashlib.blake2b(pixels, digest_size=16).digest())
+        return _maps.get(key, lambda: _of_pixels(image, pixels, is_srgb))
+    return _maps.get(images.version(image), lambda: _of_pixels(image, _pixels(image), is_srgb))
+
+
+def _of_pixels(image: bpy.types.Image, pixels: np.ndarray, is_srgb: bool) -> core.EnvironmentMap:
     if is_srgb and not image.is_float:
         pixels[..., :3] = images.linear_from_srgb(pixels[..., :3])
-    key = (image.name_full, hashlib.blake2b(pixels, digest_size=16).digest())
-    return _maps.get(key, lambda: core.EnvironmentMap(image.name, pixels))
+    return core.EnvironmentMap(image.name, pixels)
 
 
 def _mtime(path: str) -> int:

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the scene depends on of a 3D viewport's own settings: the objects that it shows, and its studio
+light."""
+
+import math
+from collections.abc import Hashable
+
+import bpy
+import numpy as np
+
+from .. import verglas_core as core
+from ..faults import Warn
+from . import world
+
+TYPES = {'CURVE': "curve", 'FONT': "font", 'MESH': "mesh", 'META': "meta", 'SURFACE': "surf"}
+"""The viewport's properties show_object_viewport_* of object types that have meshes."""
+
+
+def view_state(space: bpy.types.SpaceView3D) -> Hashable:
+    """Differs when the scene has to be synchronised again. Looks at single objects only where the viewport's
+    local view or local collections choose among them."""
+    shading = space.shading
+    light = (shading.selected_studio_light.path, shading.studiolight_rotate_z,
+             shading.studiolight_intensity) if has_studio_light(space) else None
+    shown = None
+    if space.local_view is not None or space.use_local_collections:
+        shown = tuple(obj.visible_in_viewport_get(space) for obj in bpy.context.view_layer.objects)
+    return light, _shown_types(space), shown
+
+
+def shows(space: bpy.types.SpaceView3D, obj: bpy.types.Object) -> bool:
+    """obj: of an instance, which goes with its instancer."""
+    kind = TYPES.get(obj.original.type)
+    return obj.visible_in_viewport_get(space) and (
+        kind is None or getattr(space, f"show_object_viewport_{kind}"))
+
+
+def _shown_types(space: bpy.types.SpaceView3D) -> tuple[bool, ...]:
+    return tuple(getattr(space, f"show_object_viewport_{kind}") for kind in TYPES.values())
+
+
+def has_studio_light(space: bpy.types.SpaceView3D) -> bool:
+    """Whether Rendered shading has a picture of its own in place of the scene's world."""
+    return space.shading.type == 'RENDERED' and not space.shading.use_scene_world_render
+
+
+def set_studio_light(scene: core.Scene, shading: bpy.types.View3DShading, warn: Warn) -> None:
+    """As Cycles and EEVEE place it, but that it is always seen in the background, too."""
+    path = shading.selected_studio_light.path
+    try:
+        environment = world.load_file(path, is_srgb=not path.lower().endswith((".exr", ".hdr")))
+    except core.Error as fault:
+        warn(f"The viewport's studio light is rendered in magenta. {fault}")
+        environment = None
+    scene.environment_map = environment
+    color = world.MISSING_COLOR if environment is None else np.ones(3)
+    scene.environment_color = shading.studiolight_intensity * color
+    scene.environment_rotation = _about_z(shading.studiolight_rotate_z)
+
+
+def _about_z(angle: float) -> np.ndarray:
+    """(3, 3) counterclockwise by an angle in radians."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
