@@ -48,19 +48,25 @@ def read(evaluated: bpy.types.Object) -> MeshArrays:
     mesh = evaluated.to_mesh()
     try:
         mesh.calc_loop_triangles()
-        slots = _get(mesh.loop_triangles, "material_index", 1, np.intc).reshape(-1)
+        slots = _slots(mesh)
         used_slots = tuple(np.flatnonzero(np.bincount(slots)).tolist())
         positions = _get(mesh.vertices, "co", 3, np.float32)
         corners = _get(mesh.loop_triangles, "loops", 3, np.intc)
         if compat.has_vertex_normals(mesh):
             normals = _get(mesh.vertex_normals, "vector", 3, np.float32)
-            triangles = _get(mesh.loop_triangles, "vertices", 3, np.intc)
+            triangles = _vertices(mesh)[corners]
             return MeshArrays(positions, normals, triangles, corners, slots, used_slots, next(_numbers))
-        vertex_of_corner = _get(mesh.loops, "vertex_index", 1, np.intc).reshape(-1)
-        positions, normals = positions[vertex_of_corner], compat.corner_normals(mesh)
+        positions, normals = positions[_vertices(mesh)], compat.corner_normals(mesh)
         return MeshArrays(positions, normals, corners, corners, slots, used_slots, next(_numbers))
     finally:
         evaluated.to_mesh_clear()
+
+
+def _slots(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(T,) material slot of each triangle. A mesh without the attribute uses the first alone."""
+    if "material_index" not in mesh.attributes:
+        return np.zeros(len(mesh.loop_triangles), np.intc)
+    return _get(mesh.loop_triangles, "material_index", 1, np.intc).reshape(-1)
 
 
 TEXTURE_COORDINATES = {"uvs": 2, "normal_uvs": 2, "tangents": 4, "height_uvs": 2}
