@@ -170,7 +170,31 @@ class VERGLAS_MATERIAL_PT_glass(VerglasPanel, bpy.types.Panel):
         layout.prop(settings, "bake_resolution")
 
 
+class VERGLAS_VIEW3D_PT_shading_lighting(bpy.types.Panel):
+    """Blender's own panel for Rendered shading shows itself to EEVEE alone."""
+    bl_space_type = 'VIEW_3D'
+    bl_region_type = 'HEADER'
+    bl_label = "Lighting"
+    bl_parent_id = 'VIEW3D_PT_shading'
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE and context.space_data.shading.type == 'RENDERED'
+
+    def draw(self, context):
+        shading = context.space_data.shading
+        column = self.layout.column()
+        column.prop(shading, "use_scene_world_render")
+        if not shading.use_scene_world_render:
+            row = column.row()
+            row.scale_y = 0.6
+            row.template_icon_view(shading, "studio_light", scale_popup=3.0)
+            column.prop(shading, "studiolight_rotate_z", text="Rotation")
+            column.prop(shading, "studiolight_intensity")
+
+
 _classes = (
+    VERGLAS_VIEW3D_PT_shading_lighting,
     VERGLAS_RENDER_PT_messages,
     VERGLAS_RENDER_PT_sampling,
     VERGLAS_RENDER_PT_glass,
