@@ -277,7 +277,7 @@ def render_layers(scene: bpy.types.Scene) -> dict[str, Picture]:
     settings.color_depth = '32'
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = os.path.join(folder, "picture.exr")
-        bpy.ops.render.render(write_still=True)
+        bpy.ops.render.render(write_still=True, scene=scene.name)
         return read_layers(scene.render.filepath)
 
 

@@ -6,10 +6,6 @@ import pytest
 import verglas_core as verglas
 
 
-def pytest_addoption(parser):
-    parser.addoption("--all", action="store_true", help="run the slow tests, too (there are none here yet)")
-
-
 @pytest.fixture(scope="session")
 def renderer():
     return verglas.Renderer()

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside the Blender of blender_window.py: a timer takes calls from a connection and answers them."""
+
+import faulthandler
+import importlib
+import signal
+import sys
+import traceback
+from multiprocessing.connection import Connection
+
+import addon_utils
+import bpy
+
+WAIT_SECONDS = 0.005
+"""As long as Blender sleeps where it has no events; it doesn't where they are simulated."""
+
+_rest_seconds = 0.0
+
+
+def ready() -> None:
+    """Answered as soon as the event loop runs."""
+
+
+def rest(seconds: float) -> None:
+    """No call is looked for as long, so that Blender does only what it does by itself."""
+    global _rest_seconds
+    _rest_seconds = seconds
+
+
+def quit() -> None:
+    bpy.ops.wm.quit_blender()
+
+
+def _serve(connection: Connection) -> float:
+    """Answers at most one call, so that Blender handles and draws what it has changed before the next one.
+    Returns the seconds until it wants to be called again."""
+    global _rest_seconds
+    try:
+        if connection.poll(WAIT_SECONDS):
+            connection.send(_answer(*connection.recv()))
+    except (EOFError, OSError):  # the caller is gone
+        quit()
+    pause, _rest_seconds = _rest_seconds, 0.0
+    return pause
+
+
+def _answer(function: str, arguments: tuple) -> tuple[bool, object]:
+    module, _, name = function.rpartition(".")
+    try:
+        with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+            return True, getattr(importlib.import_module(module), name)(*arguments)
+    except Exception:
+        return False, traceback.format_exc()
+
+
+def start(descriptor: int) -> None:
+    """descriptor: of the connection's file."""
+    faulthandler.register(signal.SIGUSR1)
+    if addon_utils.enable("verglas") is None:
+        sys.exit("The add-on 'verglas' isn't installed in this Blender, or can't be enabled.")
+    bpy.context.preferences.view.show_splash = False
+    connection = Connection(descriptor)
+    bpy.app.timers.register(lambda: _serve(connection), persistent=True)

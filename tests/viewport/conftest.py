@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fixtures of the tests that drive a real Blender window."""
+
+import sys
+from pathlib import Path
+
+import blender_window
+import pytest
+
+pytest.register_assert_rewrite("checks")
+sys.path.append(str(Path(__file__).resolve().parents[2] / "addon" / "compare"))  # for metrics
+
+
+class _Shared:
+    """One window for all tests; a new one after a crash."""
+
+    def __init__(self):
+        self.window: blender_window.Window | None = None
+
+    def get(self) -> blender_window.Window:
+        if self.window is not None and not self.window.is_alive:
+            self.close()
+        if self.window is None:
+            self.window = blender_window.Window(640, 480, blender_window.SIMULATE_EVENTS, "--debug-gpu")
+        return self.window
+
+    def close(self) -> None:
+        if self.window is not None:
+            window, self.window = self.window, None
+            window.close()
+
+
+@pytest.fixture(scope="session")
+def _shared():
+    if reason := blender_window.why_not():
+        pytest.skip(reason)
+    shared = _Shared()
+    yield shared
+    shared.close()
+
+
+@pytest.fixture(params=['OPENGL', 'CPU'])
+def device(request) -> str:
+    """Runs a test by each device."""
+    return request.param
+
+
+@pytest.fixture
+def window(_shared, device) -> blender_window.Window:
+    """Shows a new file's scene in one small rendered viewport. What Blender prints during the test must hold
+    no error."""
+    window = _shared.get()
+    printed = len(window.log())
+    _show_new_file(window, device)
+    yield window
+    if window.is_alive:
+        log = window.log()[printed:]
+        assert not [line for line in log.splitlines() if blender_window.is_error(line)], log
+
+
+@pytest.fixture
+def sleepy_window(device) -> blender_window.Window:
+    """As window, in a Blender that sleeps where it has no events, as a user's does."""
+    if reason := blender_window.why_not():
+        pytest.skip(reason)
+    window = blender_window.Window(640, 480)
+    _show_new_file(window, device)
+    yield window
+    window.close()
+
+
+def _show_new_file(window: blender_window.Window, device: str) -> None:
+    window.call("edits.new_file", device)
+    window.call("viewports.lay_out_one")
+    window.call("viewports.cut", 360, 300)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whatever a user does, the viewport ends with the picture that a final frame of that state has."""
+
+import numpy as np
+import pytest
+from checks import assert_other, assert_same, final_picture, settle, settled_picture
+from interaction import orbit
+
+
+def test_orbit(window):
+    """Turning the view by the mouse would leave an old or a coarse picture."""
+    before = final_picture(window)
+    orbit(window)
+    assert_other(final_picture(window), before)
+
+
+def test_roughness(window):
+    """A slider of a material would change nothing, or not what F12 shows."""
+    before = settled_picture(window)
+    for roughness in np.linspace(0.25, 0.6, 8):
+        window.call("edits.set_roughness", "Monkey", float(roughness))
+    assert_other(final_picture(window), before)
+
+
+def test_move_and_undo(window):
+    """Objects would stay where they were, or where undo has taken them from."""
+    before = settled_picture(window)
+    window.call("edits.move", "Monkey", -0.5, 0.0, 0.3)
+    window.call("edits.push_undo", "Move")
+    moved = final_picture(window)
+    assert_other(moved, before)
+    window.call("edits.undo")
+    assert_same(final_picture(window), before)
+    window.call("edits.redo")
+    assert_same(final_picture(window), moved)
+
+
+def test_edit_mode(window):
+    """The mesh would be shown as it was before edit mode, within it or after it."""
+    before = settled_picture(window)
+    window.call("edits.select", "Sphere")
+    window.call("edits.set_mode", 'EDIT')
+    window.call("edits.stretch_mesh", 1.8)
+    edited = final_picture(window)
+    assert_other(edited, before)
+    window.call("edits.set_mode", 'OBJECT')
+    assert_same(final_picture(window), edited)
+
+
+def test_two_viewports(window):
+    """A second viewport would show the first one's view, or take its pictures away."""
+    window.call("viewports.split")
+    settle(window)
+    orbit(window, index=1, across=0.4)
+    pictures = [final_picture(window, index) for index in (0, 1)]
+    assert pictures[0].shape != pictures[1].shape
+    window.call("edits.move", "Monkey", 0.0, 0.0, 0.5)
+    for index in (0, 1):
+        assert_other(final_picture(window, index), pictures[index])
+
+
+def test_quad_view(window):
+    """Of the four views some would stay empty, or all show the same."""
+    window.call("viewports.toggle_quad_view", 0)
+    settle(window)
+    views = window.call("viewports.states")
+    assert len(views) == 4
+    for index in range(4):
+        final_picture(window, index)
+    window.call("viewports.toggle_quad_view", 0)
+    final_picture(window)
+
+
+@pytest.mark.parametrize("engine", ['BLENDER_WORKBENCH', 'BLENDER_EEVEE'])
+def test_other_engine_and_back(window, engine):
+    """Comparing engines would cost the viewport."""
+    before = settled_picture(window)
+    window.call("edits.set_engine", engine)
+    window.call("edits.move", "Monkey", -0.3, 0.0, 0.0)
+    window.call("agent.ready")
+    window.call("edits.set_engine", 'VERGLAS')
+    assert_other(final_picture(window), before)
+
+
+def test_load(window, tmp_path):
+    """Opening a file would leave the picture of the one before, or none."""
+    path = str(tmp_path / "saved.blend")
+    saved = settled_picture(window)
+    window.call("edits.save", path)
+    window.call("edits.set_roughness", "Monkey", 0.7)
+    assert_other(settled_picture(window), saved)
+    window.call("edits.load", path)
+    assert_same(final_picture(window), saved)
+
+
+def test_local_view(window):
+    """Objects out of the local view would still be there, or be missing after it."""
+    before = settled_picture(window)
+    window.call("edits.select", "Sphere")
+    window.call("edits.toggle_local_view")
+    assert_other(final_picture(window), before)
+    window.call("edits.toggle_local_view")
+    assert_same(final_picture(window), before)
+
+
+def test_orthographic(window):
+    """Numpad 5 would show a perspective picture."""
+    before = settled_picture(window)
+    window.call("viewports.toggle_orthographic", 0)
+    assert_other(final_picture(window), before)
+
+
+def test_camera_view_and_border(window):
+    """The camera's picture would be larger, smaller or elsewhere than its frame, or go beyond the render
+    border."""
+    before = settled_picture(window)
+    window.call("viewports.toggle_camera_view", 0)
+    whole = final_picture(window)
+    assert_other(whole, before)
+    window.call("edits.set_border", 0.25, 0.3, 0.7, 0.8)
+    picture = settled_picture(window)
+    left, bottom, right, top = window.call("viewports.border", 0)
+    inside = np.zeros(picture.shape[:2], bool)
+    inside[bottom:top, left:right] = True
+    assert_same(np.where(inside[..., None], picture, 0.0), np.where(inside[..., None], whole, 0.0))
+    inside[bottom - 1:top + 1, left - 1:right + 1] = True  # edges may be rounded
+    assert not picture[~inside].any()

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is on the screen."""
+
+import numpy as np
+import pytest
+from blender_window import Window
+from checks import settled_picture
+
+ROUNDING = 1.0
+"""Mean difference of 8-bit values that rounding and dithering may leave."""
+
+
+def screen_of(window: Window, index: int = 0) -> np.ndarray:
+    """(H, W, 3), 0 … 255: a viewport's part of the screen."""
+    x, y, width, height = window.call("viewports.rectangle", index)
+    return window.screen.picture()[y:y + height, x:x + width].astype(float)
+
+
+@pytest.mark.parametrize("transform", ['Standard', 'Filmic'])
+def test_picture_is_drawn_under_the_view_transform(window, transform):
+    """The picture would be upside down, shifted, scaled or in other colors than F12's, or not be drawn."""
+    window.call("edits.set_view_transform", transform)
+    picture = settled_picture(window)
+    expected = window.call("truth.displayed", picture)
+    corner = 12  # Blender rounds the corners of areas, and shows there how to open what is hidden
+    middle = slice(corner, -corner)
+    difference = np.abs(screen_of(window)[middle, middle] - expected[middle, middle])
+    print(difference.mean(), difference.max(), np.percentile(difference, 99))
+    assert difference.mean() < ROUNDING
