@@ -29,6 +29,11 @@ class Plan:
     cycles_samples: tuple[int, int]
     """A sample's time is the difference of two renders, by that of their samples."""
     with_eevee: bool
+    viewport_size: Size
+    viewport_seconds: float
+    """How long the view is turned."""
+    viewport_changes: int
+    """of the material, of whose times the median counts"""
 
 
 FULL = Plan(
@@ -38,12 +43,14 @@ FULL = Plan(
     ball_edges=(9, 18, 37, 73, 146, 289, 577),  # 1k to 4M triangles, by fours
     moving_edge=289,  # 1M triangles
     ndfs=('BECKMANN', 'GGX', 'BLINN_PHONG'), map_widths=(1024, 2048, 4096),
-    engine_size=(512, 512), reference_samples=32, cycles_samples=(4, 36), with_eevee=True)
+    engine_size=(512, 512), reference_samples=32, cycles_samples=(4, 36), with_eevee=True,
+    viewport_size=(960, 540), viewport_seconds=5.0, viewport_changes=7)
 
 QUICK = Plan(
     most_frames=1, least_frames=1, seconds=0.0,
     model_sizes=((64, 64), (96, 54)), model_limit=2,
     pixel_sizes=((32, 32), (128, 128)), ball_edges=(4, 16), moving_edge=4,
     ndfs=('BECKMANN',), map_widths=(64,),
-    engine_size=(64, 64), reference_samples=2, cycles_samples=(1, 65), with_eevee=False)
+    engine_size=(64, 64), reference_samples=2, cycles_samples=(1, 65), with_eevee=False,
+    viewport_size=(640, 432), viewport_seconds=1.0, viewport_changes=1)
 """Only to see that all works."""

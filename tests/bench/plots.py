@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The measurements as plots, by matplotlib."""
 
+import statistics
 from collections.abc import Callable
 
 import matplotlib.pyplot as plt
@@ -72,6 +73,18 @@ def engines(rows: list[Row]) -> plt.Figure:
     picture = _bars(names, [row["sample_ms"] for row in rows], [COLORS[name] for name in names])
     picture.axes[0].set_xlabel("milliseconds for each sample")
     return picture
+
+
+def navigation(rows: list[Row]) -> plt.Figure:
+    """What a user of the viewport waits for, by method."""
+    solid = statistics.median(row["blender_ms"] for row in rows)
+    waits = [("Blender's own drawing", solid, COLORS["truth"])]
+    for row in rows:
+        color = COLORS[row["method"]]
+        waits += [(f"{row['method']}, next picture while turning", 1e3 / row["pictures_per_s"], color),
+                  (f"{row['method']}, changed roughness", row["change_ms"], color)]
+    names, milliseconds, colors = zip(*waits)
+    return _bars(list(names), list(milliseconds), list(colors))
 
 
 def _bars(names: list[str], values: list[float], color: str | list[str]) -> plt.Figure:

@@ -15,7 +15,8 @@ from pathlib import Path
 
 import addon_utils
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+TESTS = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TESTS), str(TESTS / "viewport")]
 
 
 def parse_arguments(arguments: list[str]) -> argparse.Namespace:
@@ -27,7 +28,7 @@ def parse_arguments(arguments: list[str]) -> argparse.Namespace:
 
 def measure(quick: bool, progress) -> dict:
     """What bench.json holds."""
-    from bench import engines, machine, preparation, scaling, summary, updates
+    from bench import engines, machine, navigation, preparation, scaling, summary, updates
     from bench.plan import FULL, QUICK
 
     plan = QUICK if quick else FULL
@@ -43,6 +44,7 @@ def measure(quick: bool, progress) -> dict:
         "preparation": preparation.steps(plan, progress),
         "engines": engines.engines(plan, progress, notes),
         "refraction": engines.refraction(plan, progress, notes),
+        "navigation": navigation.rows(plan, progress, notes),
         "notes": notes,
     }
     return results | {"ratios": summary.ratios(results)}
@@ -54,11 +56,13 @@ def draw(results: dict, folder: Path) -> None:
     from figures import layout
 
     with matplotlib.rc_context(layout.STYLE):
-        for draw_plot in (plots.models, plots.triangles, plots.pixels, plots.preparation, plots.engines):
+        for draw_plot in (plots.models, plots.triangles, plots.pixels, plots.preparation, plots.engines,
+                          plots.navigation):
             name = draw_plot.__name__
-            picture = draw_plot(results[name])
-            picture.savefig(folder / f"{name}.png")
-            matplotlib.pyplot.close(picture)
+            if results[name]:
+                picture = draw_plot(results[name])
+                picture.savefig(folder / f"{name}.png")
+                matplotlib.pyplot.close(picture)
 
 
 def main(arguments: list[str], silence: bool = False) -> int:

@@ -53,7 +53,8 @@ def text(results: dict) -> str:
                       *_column("milliseconds of one sample of the monkey",
                                {row["engine"]: row["sample_ms"] for row in results["engines"]}), "",
                       *_updates(results["updates"]), "",
-                      *_column("ratios", results["ratios"]), *results["notes"]])
+                      *_navigation(results["navigation"]), *_column("ratios", results["ratios"]),
+                      *results["notes"]])
 
 
 def _machine(machine: dict) -> Iterator[str]:
@@ -72,6 +73,20 @@ def _models(rows: list[Row]) -> Iterator[str]:
 def _updates(rows: list[Row]) -> Iterator[str]:
     yield from _column(f"milliseconds until a device has {rows[0]['triangles']:,} triangles",
                        {f"{row['update']}, {row['method']}": row["ms"] for row in rows})
+
+
+def _navigation(rows: list[Row]) -> Iterator[str]:
+    """Nothing where it couldn't be measured."""
+    if not rows:
+        return
+    size = "{width} x {height}".format(**rows[0])
+    yield from _column(f"a viewport of {size}: new pictures a second while the view turns",
+                       {row["method"]: row["pictures_per_s"] for row in rows})
+    yield from _column("  milliseconds from a changed roughness to its picture",
+                       {row["method"]: row["change_ms"] for row in rows})
+    yield from _column("  milliseconds of Blender for an event and its drawing in Solid shading",
+                       {row["method"]: row["blender_ms"] for row in rows})
+    yield ""
 
 
 def _column(title: str, values: dict[str, float]) -> Iterator[str]:

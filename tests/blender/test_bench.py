@@ -13,8 +13,10 @@ from verglas.compare.methods import Subject
 from verglas.compare.progress import Progress
 from verglas.faults import Fault
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+TESTS = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TESTS), str(TESTS / "viewport")]
 
+import blender_window  # noqa: E402
 from bench import engines, frames, plan, run, subjects, summary  # noqa: E402
 from figures.cost import PASSES  # noqa: E402
 
@@ -32,7 +34,10 @@ def test_quick_run_writes_what_it_says(tmp_path, capfd):
     assert {row["method"] for row in results["updates"]} == {"bundle", "traced"}
     assert {row["engine"] for row in results["engines"]} == {*frames.METHODS, "reference", "cycles"}
     assert (tmp_path / "engines.png").is_file() and (tmp_path / "preparation.png").is_file()
-    kinds = ("preparation", "engines", "refraction", "updates")
+    if blender_window.why_not() is None:
+        assert {row["method"] for row in results["navigation"]} == {"bundle", "traced"}
+        assert (tmp_path / "navigation.png").is_file()
+    kinds = ("preparation", "engines", "refraction", "updates", "navigation")
     numbers = [row[name] for kind in kinds for row in results[kind] for name in row if name.endswith("ms")]
     numbers += [row["frame_ms"] for row in results["models"]] + list(results["ratios"].values())
     assert min(numbers) > 0.0 and np.isfinite(numbers).all()

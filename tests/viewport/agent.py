@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside the Blender of blender_window.py: a timer takes calls from a connection and answers them."""
+"""Runs inside the Blender of blender_window.py: a timer takes calls from a channel and answers them."""
 
 import faulthandler
 import importlib
 import signal
+import socket
 import sys
 import traceback
-from multiprocessing.connection import Connection
 
 import addon_utils
 import bpy
+from channel import Channel
 
 WAIT_SECONDS = 0.005
 """As long as Blender sleeps where it has no events; it doesn't where they are simulated."""
@@ -31,13 +32,13 @@ def quit() -> None:
     bpy.ops.wm.quit_blender()
 
 
-def _serve(connection: Connection) -> float:
+def _serve(channel: Channel) -> float:
     """Answers at most one call, so that Blender handles and draws what it has changed before the next one.
     Returns the seconds until it wants to be called again."""
     global _rest_seconds
     try:
-        if connection.poll(WAIT_SECONDS):
-            connection.send(_answer(*connection.recv()))
+        if channel.poll(WAIT_SECONDS):
+            channel.send(_answer(*channel.receive()))
     except (EOFError, OSError):  # the caller is gone
         quit()
     pause, _rest_seconds = _rest_seconds, 0.0
@@ -54,10 +55,10 @@ def _answer(function: str, arguments: tuple) -> tuple[bool, object]:
 
 
 def start(descriptor: int) -> None:
-    """descriptor: of the connection's file."""
+    """descriptor: of the socket that calls come from."""
     faulthandler.register(signal.SIGUSR1)
     if addon_utils.enable("verglas") is None:
         sys.exit("The add-on 'verglas' isn't installed in this Blender, or can't be enabled.")
     bpy.context.preferences.view.show_splash = False
-    connection = Connection(descriptor)
-    bpy.app.timers.register(lambda: _serve(connection), persistent=True)
+    channel = Channel(socket.socket(fileno=descriptor))
+    bpy.app.timers.register(lambda: _serve(channel), persistent=True)

@@ -9,14 +9,15 @@ import os
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import tempfile
 import time
 from collections.abc import Callable, Iterable
-from multiprocessing import Pipe
 from pathlib import Path
 
 import numpy as np
+from channel import Channel
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -90,7 +91,8 @@ class Window:
         self.folder = Path(tempfile.mkdtemp(prefix="verglas_window_"))
         self.width, self.height = width, height
         self.screen = Screen(self.folder, width, height)
-        self._connection, theirs = Pipe()
+        ours, theirs = socket.socketpair()
+        self._channel = Channel(ours)
         environment = os.environ | {
             "DISPLAY": self.screen.display, "LIBGL_ALWAYS_SOFTWARE": "1", "LC_ALL": "C.UTF-8",
             "BLENDER_USER_CONFIG": str(self.folder / "config"), "TMPDIR": str(self.folder),
@@ -114,10 +116,10 @@ class Window:
     def call(self, function: str, *arguments, patience: float = PATIENCE):
         """What MODULE.FUNCTION returns, run on Blender's main thread."""
         try:
-            self._connection.send((function, arguments))
-            if not self._connection.poll(patience):
+            self._channel.send((function, arguments))
+            if not self._channel.poll(patience):
                 raise self._hung(f"{function} took more than {patience:g} s")
-            succeeded, value = self._connection.recv()
+            succeeded, value = self._channel.receive()
         except (EOFError, OSError) as error:
             raise self._crashed(function) from error
         if not succeeded:
@@ -127,12 +129,13 @@ class Window:
     def drag(self, button: str, path: Iterable[tuple[int, int]]) -> None:
         """Presses a mouse button, moves through places in the window, in pixels from its lower left corner,
         and releases it."""
-        path = list(path)
-        self._mouse('MOUSEMOVE', 'NOTHING', path[0])
-        self._mouse(button, 'PRESS', path[0])
-        for place in path[1:]:
+        path = iter(path)
+        place = next(path)
+        self._mouse('MOUSEMOVE', 'NOTHING', place)
+        self._mouse(button, 'PRESS', place)
+        for place in path:
             self._mouse('MOUSEMOVE', 'NOTHING', place)
-        self._mouse(button, 'RELEASE', path[-1])
+        self._mouse(button, 'RELEASE', place)
 
     def _mouse(self, event: str, value: str, place: tuple[int, int]) -> None:
         self.call("viewports.send", event, value, *place)
@@ -177,7 +180,7 @@ class Window:
 
     def _quit(self) -> None:
         try:
-            self._connection.send(("agent.quit", ()))
+            self._channel.send(("agent.quit", ()))
             self.process.wait(PATIENCE)
         except (OSError, subprocess.TimeoutExpired):
             self._kill()

@@ -23,7 +23,7 @@ def new_file(device: str) -> None:
 
 def set_roughness(name: str, roughness: float) -> None:
     material = bpy.data.objects[name].material_slots[0].material
-    shader = scenes.node_of(material.node_tree, "ShaderNodeBsdfRefraction")
+    shader = next(node for node in material.node_tree.nodes if "Roughness" in node.inputs)
     shader.inputs["Roughness"].default_value = roughness
 
 
@@ -68,6 +68,10 @@ def stretch_mesh(factor: float) -> None:
     with viewports.context_of(0):
         bpy.ops.mesh.select_all(action='SELECT')
         bpy.ops.transform.resize(value=(factor, 1.0, 1.0))
+
+
+def set_device(device: str) -> None:
+    bpy.context.scene.verglas.device = device
 
 
 def set_engine(engine: str) -> None:
