@@ -26,9 +26,9 @@ BARS = 48
 
 def rows(plan: Plan, progress: Progress, notes: list[str]) -> list[Row]:
     """In a window of which the viewport is all but the bars, without overlays. pictures_per_s: new ones on
-    the screen while the view turns; blender_ms: what Blender takes to handle an event and draw in Solid
-    shading; change_ms: from a new roughness to the first picture that shows it. notes: takes why nothing can
-    be measured."""
+    the screen while the view turns; redraw_ms: from one drawing to the next then, whether with a new picture
+    or the last one; change_ms: from a new roughness to the first picture that shows it. notes: takes why
+    nothing can be measured."""
     if reason := blender_window.why_not():
         notes.append(reason)
         return []
@@ -38,7 +38,6 @@ def rows(plan: Plan, progress: Progress, notes: list[str]) -> list[Row]:
                                    blender=bpy.app.binary_path)
     try:
         window.call("viewports.lay_out_one")
-        window.call("viewports.set_shading", 0, 'SOLID')
         window.call("edits.load", str(SCENE))
         return [_row(window, method, plan) for method in DEVICES]
     finally:
@@ -46,22 +45,19 @@ def rows(plan: Plan, progress: Progress, notes: list[str]) -> list[Row]:
 
 
 def _row(window: blender_window.Window, method: str, plan: Plan) -> Row:
-    window.call("viewports.set_shading", 0, 'SOLID')
-    loops, _, seconds = _turn(window, plan.viewport_seconds)
     window.call("edits.set_device", DEVICES[method])
-    window.call("viewports.set_shading", 0, 'RENDERED')
     _settle(window)
-    _, pictures, turned = _turn(window, plan.viewport_seconds)
+    drawings, pictures, seconds = _turn(window, plan.viewport_seconds)
     changes = [_change_ms(window, 0.2 + 0.5 * i / plan.viewport_changes)
                for i in range(plan.viewport_changes)]
     _, _, width, height = window.call("viewports.rectangle", 0)
-    return {"method": method, "width": width, "height": height, "blender_ms": 1e3 * seconds / loops,
-            "pictures_per_s": pictures / turned, "change_ms": statistics.median(changes)}
+    return {"method": method, "width": width, "height": height, "redraw_ms": 1e3 * seconds / drawings,
+            "pictures_per_s": pictures / seconds, "change_ms": statistics.median(changes)}
 
 
 def _turn(window: blender_window.Window, seconds: float) -> tuple[int, int, float]:
-    """Moves the mouse in circles with its middle button down. Returns how many times Blender's event loop
-    went round, new pictures, and the time in seconds."""
+    """Moves the mouse in circles with its middle button down. Returns how many times the viewport was drawn,
+    how many new pictures there were, and the time in seconds."""
     moves = 0
     x, y, width, height = window.call("viewports.rectangle", 0)
     start = time.perf_counter()

@@ -84,8 +84,8 @@ def _navigation(rows: list[Row]) -> Iterator[str]:
                        {row["method"]: row["pictures_per_s"] for row in rows})
     yield from _column("  milliseconds from a changed roughness to its picture",
                        {row["method"]: row["change_ms"] for row in rows})
-    yield from _column("  milliseconds of Blender for an event and its drawing in Solid shading",
-                       {row["method"]: row["blender_ms"] for row in rows})
+    yield from _column("  milliseconds from drawing to drawing while the view turns",
+                       {row["method"]: row["redraw_ms"] for row in rows})
     yield ""
 
 

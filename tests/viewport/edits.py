@@ -74,6 +74,14 @@ def set_device(device: str) -> None:
     bpy.context.scene.verglas.device = device
 
 
+def set_samples(samples: int) -> None:
+    bpy.context.scene.verglas.samples = samples
+
+
+def set_transparent(is_transparent: bool) -> None:
+    bpy.context.scene.render.film_transparent = is_transparent
+
+
 def set_engine(engine: str) -> None:
     bpy.context.scene.render.engine = engine
 

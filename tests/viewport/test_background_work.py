@@ -35,12 +35,13 @@ def test_left_alone(sleepy_window):
 def test_final_frame_beside(window):
     """F12 would stop the viewport, or either spoil the other's picture."""
     settle(window)
-    window.call("edits.press_f12", 960, 540)
     before = window.call("viewports.states")[0][1]
-    while_rendering = 0
+    window.call("edits.press_f12", 960, 540)
     orbit(window)
+    seen = 0
     while window.call("edits.is_rendering"):
-        while_rendering = window.call("viewports.states")[0][1] - before
-    assert while_rendering > 0
+        seen = window.call("viewports.states")[0][1] - before
+    assert seen > 0
+    frame = window.call("truth.last_frame")
     final_picture(window)
-    assert_same(window.call("truth.last_frame"), window.call("truth.camera_frame"))
+    assert_same(frame, window.call("truth.camera_frame"))

@@ -57,6 +57,9 @@ def test_two_viewports(window):
     window.call("edits.move", "Monkey", 0.0, 0.0, 0.5)
     for index in (0, 1):
         assert_other(final_picture(window, index), pictures[index])
+    window.call("viewports.leave_one")
+    final_picture(window)
+    assert window.call("viewports.live") == 1
 
 
 def test_quad_view(window):
@@ -69,6 +72,7 @@ def test_quad_view(window):
         final_picture(window, index)
     window.call("viewports.toggle_quad_view", 0)
     final_picture(window)
+    assert window.call("viewports.live") == 1
 
 
 @pytest.mark.parametrize("engine", ['BLENDER_WORKBENCH', 'BLENDER_EEVEE'])
@@ -107,6 +111,38 @@ def test_orthographic(window):
     """Numpad 5 would show a perspective picture."""
     before = settled_picture(window)
     window.call("viewports.toggle_orthographic", 0)
+    assert_other(final_picture(window), before)
+
+
+def test_clipping(window):
+    """What is nearer than Clip Start, or farther than Clip End, would be there."""
+    before = settled_picture(window)
+    window.call("viewports.set_clipping", 0, 4.4, 1000.0)
+    cut = final_picture(window)
+    assert_other(cut, before)
+    window.call("viewports.set_clipping", 0, 0.01, 4.4)
+    assert_other(final_picture(window), cut)
+
+
+def test_transparent_film(window):
+    """The world would hide what stands behind the picture, or the glass be transparent, too."""
+    before = settled_picture(window)
+    window.call("edits.set_transparent", True)
+    picture = final_picture(window)
+    assert_other(picture, before)
+    assert picture[..., 3].min() == 0.0 and picture[..., 3].max() == 1.0
+
+
+def test_change_before_the_last_sample(window):
+    """What is changed before the picture is finished would come late, or mix with what was before."""
+    before = settled_picture(window)
+    window.call("edits.set_samples", 4096)
+    for roughness in (0.3, 0.5, 0.7):
+        shown = window.call("viewports.states")[0][1]
+        window.call("edits.set_roughness", "Monkey", roughness)
+        orbit(window, moves=2)
+        window.wait_until(lambda: window.call("viewports.states")[0][1] >= shown + 2, "a picture", 5.0)
+    window.call("edits.set_samples", 3)
     assert_other(final_picture(window), before)
 
 

@@ -80,6 +80,7 @@ def lay_out_one() -> None:
             setattr(space, f"show_region_{name}", False)
     space.overlay.show_overlays = False
     space.show_gizmo = False
+    set_clipping(0, 0.01, 1000.0)
     view = space.region_3d
     view.view_perspective = 'PERSP'
     view.view_distance = 4.5
@@ -131,6 +132,11 @@ def states() -> list[tuple[bool, int, str]]:
     return [(view.is_done, view.pictures, view.fault) if view else (False, 0, "") for view in found]
 
 
+def live() -> int:
+    """How many rendered viewports the add-on works for."""
+    return len(viewport.views())
+
+
 def picture(index: int) -> np.ndarray:
     """(H, W, 4) float32, scene-linear: what is drawn, row 0 at the bottom."""
     pointer = places()[index][1].as_pointer()
@@ -152,6 +158,11 @@ def toggle_orthographic(index: int) -> None:
 def toggle_camera_view(index: int) -> None:
     with context_of(index):
         bpy.ops.view3d.view_camera()
+
+
+def set_clipping(index: int, start: float, end: float) -> None:
+    space = space_of(index)
+    space.clip_start, space.clip_end = start, end
 
 
 def set_shading(index: int, shading: str) -> None:
