@@ -46,7 +46,7 @@ def rows(plan: Plan, progress: Progress, notes: list[str]) -> list[Row]:
 
 def _row(window: blender_window.Window, method: str, plan: Plan) -> Row:
     window.call("edits.set_device", DEVICES[method])
-    _settle(window)
+    window.settle()
     drawings, pictures, seconds = _turn(window, plan.viewport_seconds)
     changes = [_change_ms(window, 0.2 + 0.5 * i / plan.viewport_changes)
                for i in range(plan.viewport_changes)]
@@ -74,7 +74,7 @@ def _turn(window: blender_window.Window, seconds: float) -> tuple[int, int, floa
 
 
 def _change_ms(window: blender_window.Window, roughness: float) -> float:
-    _settle(window)
+    window.settle()
     before = _pictures(window)
     start = time.perf_counter()
     window.call("edits.set_roughness", "Suzanne", roughness)
@@ -86,8 +86,3 @@ def _change_ms(window: blender_window.Window, roughness: float) -> float:
 def _pictures(window: blender_window.Window) -> int:
     (_, pictures, _), = window.call("viewports.states")
     return pictures
-
-
-def _settle(window: blender_window.Window) -> None:
-    window.wait_until(lambda: all(is_done for is_done, _, _ in window.call("viewports.states")),
-                      "the viewport's last picture")

@@ -148,6 +148,14 @@ class Window:
                 raise TimeoutError(f"{what} hasn't come after {patience:g} s")
             time.sleep(0.01)
 
+    def settle(self, patience: float = 20.0) -> None:
+        """Waits until all viewports have drawn their last picture. Raises TimeoutError."""
+        def is_settled() -> bool:
+            # Between two calls Blender's event loop goes round once, and takes notice of what was changed
+            seen = [self.call("viewports.states") for _ in range(3)]
+            return seen[0] == seen[1] == seen[2] and all(is_done for is_done, _, _ in seen[0])
+        self.wait_until(is_settled, "the viewports' last picture", patience)
+
     def cpu_seconds(self) -> float:
         """Time of all cores that Blender has used so far."""
         # proc(5): the process's name in parentheses is field 2, utime and stime are 14 and 15

@@ -18,13 +18,9 @@ def relmse(picture: np.ndarray, truth: np.ndarray) -> float:
     return metrics.relmse(picture, truth, np.ones(truth.shape[:2], bool))
 
 
-def settle(window: Window, patience: float = 20.0) -> None:
+def settle(window: Window) -> None:
     """Waits until all viewports have drawn their last picture, without a fault."""
-    def is_settled() -> bool:
-        # Between two calls Blender's event loop goes round once, and takes notice of what has been changed
-        seen = [window.call("viewports.states") for _ in range(3)]
-        return seen[0] == seen[1] == seen[2] and all(is_done for is_done, _, _ in seen[0])
-    window.wait_until(is_settled, "the viewports' last picture", patience)
+    window.settle()
     assert not any(fault for _, _, fault in window.call("viewports.states"))
 
 
