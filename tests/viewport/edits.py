@@ -12,7 +12,7 @@ def new_file(device: str) -> None:
     """The monkey and a sphere beside it, each of a frosted glass of its own, under one of Blender's maps."""
     scene = scenes.empty_scene()
     scene.verglas.device = device
-    scene.verglas.samples = SAMPLES
+    scene.verglas.samples = scene.verglas.viewport_samples = SAMPLES
     scenes.set_map(scene, scenes.world_map("forest"))
     with viewports.context_of(0):
         scenes.add_monkey(scenes.frosted(0.2), subdivisions=1).name = "Monkey"
@@ -75,7 +75,12 @@ def set_device(device: str) -> None:
 
 
 def set_samples(samples: int) -> None:
-    bpy.context.scene.verglas.samples = samples
+    """Of the viewport."""
+    bpy.context.scene.verglas.viewport_samples = samples
+
+
+def final_samples() -> int:
+    return bpy.context.scene.verglas.samples
 
 
 def set_transparent(is_transparent: bool) -> None:

@@ -142,7 +142,7 @@ def test_change_before_the_last_sample(window):
         window.call("edits.set_roughness", "Monkey", roughness)
         orbit(window, moves=2)
         window.wait_until(lambda: window.call("viewports.states")[0][1] >= shown + 2, "a picture", 5.0)
-    window.call("edits.set_samples", 3)
+    window.call("edits.set_samples", window.call("edits.final_samples"))
     assert_other(final_picture(window), before)
 
 
