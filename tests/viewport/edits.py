@@ -1,19 +1,34 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside the Blender of blender_window.py: the scene that viewports show, and what users do to it."""
 
+import functools
+import os
+import tempfile
+
 import bpy
+import OpenImageIO as oiio
 import scenes
 import viewports
 
 SAMPLES = 3
 
 
+@functools.cache
+def _world_map() -> str:
+    """Path of one of Blender's studio maps, small, so that it is filtered in no time."""
+    size = oiio.ROI(0, 256, 0, 128, 0, 1, 0, 3)
+    small = oiio.ImageBufAlgo.resize(oiio.ImageBuf(scenes.world_map("forest")), roi=size)
+    path = os.path.join(tempfile.gettempdir(), "forest.exr")  # in the folder of this Blender's window
+    oiio.ImageBufAlgo.clamp(small, min=0.0).write(path)
+    return path
+
+
 def new_file(device: str) -> None:
-    """The monkey and a sphere beside it, each of a frosted glass of its own, under one of Blender's maps."""
+    """The monkey and a sphere beside it, each of a frosted glass of its own, in a forest."""
     scene = scenes.empty_scene()
     scene.verglas.device = device
     scene.verglas.samples = scene.verglas.viewport_samples = SAMPLES
-    scenes.set_map(scene, scenes.world_map("forest"))
+    scenes.set_map(scene, _world_map())
     with viewports.context_of(0):
         scenes.add_monkey(scenes.frosted(0.2), subdivisions=1).name = "Monkey"
         scenes.add_sphere(scenes.frosted(0.4), radius=0.6, location=(1.6, 0.4, -0.3)).name = "Sphere"

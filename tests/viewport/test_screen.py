@@ -25,5 +25,14 @@ def test_picture_is_drawn_under_the_view_transform(window, transform):
     corner = 12  # Blender rounds the corners of areas, and shows there how to open what is hidden
     middle = slice(corner, -corner)
     difference = np.abs(screen_of(window)[middle, middle] - expected[middle, middle])
-    print(difference.mean(), difference.max(), np.percentile(difference, 99))
     assert difference.mean() < ROUNDING
+
+
+def test_border_is_drawn_in_its_place(window):
+    """A render border's picture would stand elsewhere in the camera view, or stretched."""
+    window.call("viewports.toggle_camera_view", 0)
+    window.call("edits.set_border", 0.2, 0.35, 0.6, 0.9)
+    window.call("edits.set_view_transform", 'Standard')
+    expected = window.call("truth.displayed", settled_picture(window))
+    left, bottom, right, top = window.call("viewports.border", 0)
+    assert np.abs(screen_of(window)[bottom:top, left:right] - expected).mean() < ROUNDING

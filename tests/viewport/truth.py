@@ -44,8 +44,9 @@ def _copied_scene(width: int, height: int) -> Iterator[bpy.types.Scene]:
 @contextmanager
 def _only_visible(space: bpy.types.SpaceView3D) -> Iterator[None]:
     """Final frames show the objects that the viewport shows."""
-    hidden = [obj for obj in bpy.context.scene.objects
-              if not obj.hide_render and not obj.visible_in_viewport_get(space)]
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    hidden = [obj for obj in bpy.context.scene.objects if not obj.hide_render
+              and not obj.evaluated_get(depsgraph).visible_in_viewport_get(space)]
     for obj in hidden:
         obj.hide_render = True
     try:
