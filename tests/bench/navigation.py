@@ -45,7 +45,7 @@ def rows(plan: Plan, progress: Progress, notes: list[str]) -> list[Row]:
 
 
 def _row(window: blender_window.Window, method: str, plan: Plan) -> Row:
-    window.call("edits.set_device", DEVICES[method])
+    window.call("edits.set_setting", "device", DEVICES[method])
     window.settle()
     drawings, pictures, seconds = _turn(window, plan.viewport_seconds)
     changes = [_change_ms(window, 0.2 + 0.5 * i / plan.viewport_changes)

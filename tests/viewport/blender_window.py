@@ -55,7 +55,7 @@ class Screen:
     def __init__(self, folder: Path, width: int, height: int):
         read, write = os.pipe()
         command = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24",
-                   "-fbdir", str(folder), "-nolisten", "tcp", "-noreset", "+extension", "GLX"]
+                   "-fbdir", str(folder), "-nolisten", "tcp", "-noreset", "-nocursor"]
         self._file = folder / "Xvfb_screen0"
         with (folder / "xvfb.log").open("wb") as log:
             self._process = subprocess.Popen(command, pass_fds=(write,), stdout=log, stderr=log)

@@ -19,7 +19,7 @@ def _world_map() -> str:
     size = oiio.ROI(0, 256, 0, 128, 0, 1, 0, 3)
     small = oiio.ImageBufAlgo.resize(oiio.ImageBuf(scenes.world_map("forest")), roi=size)
     path = os.path.join(tempfile.gettempdir(), "forest.exr")  # in the folder of this Blender's window
-    oiio.ImageBufAlgo.clamp(small, min=0.0).write(path)
+    oiio.ImageBufAlgo.clamp(small, 0.0, 1e4).write(path)
     return path
 
 
@@ -85,17 +85,12 @@ def stretch_mesh(factor: float) -> None:
         bpy.ops.transform.resize(value=(factor, 1.0, 1.0))
 
 
-def set_device(device: str) -> None:
-    bpy.context.scene.verglas.device = device
-
-
-def set_samples(samples: int) -> None:
-    """Of the viewport."""
-    bpy.context.scene.verglas.viewport_samples = samples
-
-
-def final_samples() -> int:
-    return bpy.context.scene.verglas.samples
+def set_setting(name: str, value: object) -> object:
+    """One of Verglas' own, of the scene. Returns what it was."""
+    settings = bpy.context.scene.verglas
+    before = getattr(settings, name)
+    setattr(settings, name, value)
+    return before
 
 
 def set_transparent(is_transparent: bool) -> None:

@@ -136,13 +136,13 @@ def test_transparent_film(window):
 def test_change_before_the_last_sample(window):
     """What is changed before the picture is finished would come late, or mix with what was before."""
     before = settled_picture(window)
-    window.call("edits.set_samples", 4096)
+    samples = window.call("edits.set_setting", "viewport_samples", 4096)
     for roughness in (0.3, 0.5, 0.7):
         shown = window.call("viewports.states")[0][1]
         window.call("edits.set_roughness", "Monkey", roughness)
         orbit(window, moves=2)
         window.wait_until(lambda: window.call("viewports.states")[0][1] >= shown + 2, "a picture", 5.0)
-    window.call("edits.set_samples", window.call("edits.final_samples"))
+    window.call("edits.set_setting", "viewport_samples", samples)
     assert_other(final_picture(window), before)
 
 
