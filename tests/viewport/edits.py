@@ -19,7 +19,7 @@ def _world_map() -> str:
     size = oiio.ROI(0, 256, 0, 128, 0, 1, 0, 3)
     small = oiio.ImageBufAlgo.resize(oiio.ImageBuf(scenes.world_map("forest")), roi=size)
     path = os.path.join(tempfile.gettempdir(), "forest.exr")  # in the folder of this Blender's window
-    oiio.ImageBufAlgo.clamp(small, 0.0, 1e4).write(path)
+    oiio.ImageBufAlgo.abs(small).write(path)
     return path
 
 
@@ -87,9 +87,11 @@ def stretch_mesh(factor: float) -> None:
 
 def set_setting(name: str, value: object) -> object:
     """One of Verglas' own, of the scene. Returns what it was."""
-    settings = bpy.context.scene.verglas
-    before = getattr(settings, name)
-    setattr(settings, name, value)
+    scene = bpy.context.scene
+    before = getattr(scene.verglas, name)
+    setattr(scene.verglas, name, value)
+    # Blender looks at the scene again where a user moves a slider of an add-on, but not where a script does
+    scene.render.film_transparent = scene.render.film_transparent
     return before
 
 
