@@ -15,7 +15,7 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True
     bl_use_preview = True
 
-    viewport_picture: viewport.Picture | None = None
+    viewport_view: viewport.View | None = None
     told: tuple[int, int] | None = None
     """Samples done, and all of them, as the user has been told."""
 
@@ -98,10 +98,15 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
         self.end_result(result)
 
     def view_update(self, context, depsgraph):
-        self.viewport_picture = viewport.Picture(self, depsgraph)
+        self._view().update(context, depsgraph)
 
     def view_draw(self, context, depsgraph):
-        self.viewport_picture.draw(self, context, depsgraph.scene_eval)
+        self._view().draw(context, depsgraph)
+
+    def _view(self) -> viewport.View:
+        if self.viewport_view is None:
+            self.viewport_view = viewport.View(self)
+        return self.viewport_view
 
 
 def register():
@@ -113,6 +118,7 @@ def register():
 
 def unregister():
     bpy.utils.unregister_class(VerglasRenderEngine)
+    viewport.unregister()
     sync.unregister()
     renderer.unregister()
     faults.unregister()

@@ -4,6 +4,8 @@
 import bpy
 from bpy.props import IntProperty
 
+DEFAULT_FPS = 15
+
 
 class VerglasPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
@@ -12,7 +14,7 @@ class VerglasPreferences(bpy.types.AddonPreferences):
         name="Viewport Frame Rate",
         description="Pictures each second that the viewport aims at while the view or the scene changes; it "
                     "lowers its resolution as far as that needs",
-        default=15, min=1, max=120,
+        default=DEFAULT_FPS, min=1, max=120,
     )
 
     def draw(self, context):
@@ -20,8 +22,10 @@ class VerglasPreferences(bpy.types.AddonPreferences):
         self.layout.prop(self, "viewport_fps")
 
 
-def of(context: bpy.types.Context) -> VerglasPreferences:
-    return context.preferences.addons[__package__].preferences
+def viewport_fps(context: bpy.types.Context) -> int:
+    """The user's, or the default where the add-on was enabled by a script."""
+    addon = context.preferences.addons.get(__package__)
+    return addon.preferences.viewport_fps if addon else DEFAULT_FPS
 
 
 def register():

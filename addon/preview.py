@@ -7,7 +7,7 @@ import functools
 import bpy
 import numpy as np
 
-from . import compat, renderer
+from . import compat, renderer, sync
 from . import verglas_core as core
 from .sync import camera, objects, settings, world
 
@@ -19,12 +19,13 @@ def frame_of(depsgraph: bpy.types.Depsgraph, camera_object: bpy.types.Object, wi
     """Raises core.Error. What can't be rendered isn't warned of: it would be of Blender's scene, and a
     material is warned of where the user renders it."""
     scene = core.Scene()
-    if _has_own_light(depsgraph):
-        world.set_environment(scene, compat.world_of(depsgraph), _ignore)
-    else:
-        scene.environment_map = _studio()
-        scene.environment_color = (1.0, 1.0, 1.0)
-    objects.add_objects(scene, depsgraph, _ignore)
+    with sync.lock:
+        if _has_own_light(depsgraph):
+            world.set_environment(scene, compat.world_of(depsgraph), _ignore)
+        else:
+            scene.environment_map = _studio()
+            scene.environment_color = (1.0, 1.0, 1.0)
+        objects.add_objects(scene, depsgraph, _ignore)
     scene.camera = camera.from_blender(camera_object, depsgraph, width, height, _ignore)
     of_preview = settings.viewport(depsgraph.scene_eval, width, height)
     of_preview.samples = SAMPLES

@@ -1,66 +1,177 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rendered viewport: one picture of one sample, made anew when scene or view change."""
+"""Rendered viewports: each shows the newest picture that the core has made for it, and never waits for it."""
+
+import weakref
 
 import bpy
 import numpy as np
 
-from . import devices, renderer, sync
+from . import devices, faults, message, preferences, renderer, sync
 from . import verglas_core as core
-from .sync import settings
+from .sync import camera, settings
+
+POLL_SECONDS = 0.01
+"""Between two looks for new pictures, as long as some are being made."""
+
+_views: weakref.WeakSet["View"] = weakref.WeakSet()
 
 
-class Picture:
-    """One state of the scene as one viewport shows it."""
+def views() -> list["View"]:
+    """All that are shown."""
+    return list(_views)
 
-    def __init__(self, engine: bpy.types.RenderEngine, depsgraph: bpy.types.Depsgraph):
-        warnings: list[str] = []
-        self._scene = sync.scene_from(depsgraph, warnings.append)
-        self._view: tuple | None = None
+
+class View:
+    """What one 3D viewport shows."""
+
+    def __init__(self, engine: bpy.types.RenderEngine):
+        self._engine = weakref.ref(engine)
+        self._messages = faults.Collector()
+        self._scene: core.Scene | None = None
+        self._device = ""
+        self._core: core.ViewportView | None = None
+        self._asked = None
+        """what was asked for last, and when it differs is asked for again"""
+        self._state = None
+        """the viewport's own settings with which the scene was read"""
         self._texture = None
-        engine.update_stats("", _summary(warnings))
+        self.region = 0
+        """its address at the last drawing"""
+        self.frame: core.Frame | None = None
+        """what was drawn last"""
+        self.shown: core.Settings | None = None
+        """what it was made by"""
+        self.pictures = 0
+        """how many different ones were drawn"""
+        _views.add(self)
 
-    def draw(self, engine: bpy.types.RenderEngine, context: bpy.types.Context,
-             scene: bpy.types.Scene) -> None:
-        """Renders first if the view isn't the one of the last drawing."""
-        # Only where Blender draws: in background the gpu module can't be used
+    @property
+    def fault(self) -> str:
+        """The sentence over the picture; "" where there is none."""
+        return self._messages.fault or (self._core.fault if self._core else "")
+
+    @property
+    def has_news(self) -> bool:
+        return self._core is not None and self._core.has_news
+
+    @property
+    def is_done(self) -> bool:
+        """Whether all that it asked for is drawn."""
+        if self._core is None:
+            return bool(self.fault)
+        return self._core.is_done and not self._core.has_news
+
+    def tag_redraw(self) -> None:
+        engine = self._engine()
+        if engine is not None:
+            engine.tag_redraw()
+
+    def update(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        """Reads the scene. With a fault, the last one stays."""
+        before = self._messages.fault, self._messages.warnings
+        self._messages.clear()
+        self._state = sync.view_state(context.space_data)
+        try:
+            self._scene = sync.scene_from(depsgraph, self._messages.warn, context.space_data)
+            self._asked = None
+        except (faults.Fault, core.Error) as fault:
+            self._messages.fault = str(fault)
+        except MemoryError:
+            self._messages.fault = "There isn't enough memory to read the scene."
+        if before != (self._messages.fault, self._messages.warnings):
+            _redraw_panels(context)
+
+    def draw(self, context: bpy.types.Context, depsgraph: bpy.types.Depsgraph) -> None:
+        """The newest picture. If the view isn't that of the last drawing, another one is asked for."""
+        self.region = context.region.as_pointer()
+        if self._scene is None or self._state != sync.view_state(context.space_data):
+            self.update(context, depsgraph)
+        scene = depsgraph.scene_eval
+        try:
+            self._ask(context)
+        except core.Error as fault:
+            self._messages.fault = str(fault)
+        self._take()
+        if self._texture is not None:
+            self._draw_texture(scene, context.region)
+        if self.fault:
+            message.draw(context, self.fault)
+
+    def _ask(self, context: bpy.types.Context) -> None:
+        if self._scene is None:
+            return
+        # Not the evaluated scene: changes of these settings alone evaluate nothing
+        scene, region, view = context.scene, context.region, context.region_data
+        wanted = settings.viewport(scene, region.width, region.height)
+        wanted.region = camera.viewport_border(context, scene)
+        device = renderer.resolved(devices.of_viewport(scene))
+        asked = device, wanted, _numbers(view.view_matrix), _numbers(view.window_matrix)
+        if asked == self._asked:
+            return
+        if device != self._device:
+            self._core = core.ViewportView(renderer.of_viewports(device))
+            self._device = device
+        self._asked = asked
+        self._scene.camera = core.Camera(np.array(view.view_matrix), np.array(view.window_matrix))
+        self._core.show(self._scene, wanted, 0.5 / preferences.viewport_fps(context))
+        _watch()
+
+    def _take(self) -> None:
+        import gpu
+
+        taken = self._core and self._core.take()
+        if not taken:
+            return
+        self.frame, self.shown = taken
+        height, width = self.frame.depth.shape
+        pixels = np.ascontiguousarray(self.frame.combined, np.float32).reshape(-1)
+        buffer = gpu.types.Buffer('FLOAT', len(pixels), pixels)
+        self._texture = gpu.types.GPUTexture((width, height), format='RGBA32F', data=buffer)
+        self.pictures += 1
+
+    def _draw_texture(self, scene: bpy.types.Scene, region: bpy.types.Region) -> None:
+        """A picture of another size is stretched until one of this size is there."""
         import gpu
         from gpu_extras.presets import draw_texture_2d
 
-        region, view3d = context.region, context.region_data
-        view = (region.width, region.height, view3d.view_matrix.copy(), view3d.window_matrix.copy())
-        if view != self._view:
-            self._render(engine, scene, view)
-        if self._texture is None:
-            return
+        shown = self.shown
+        x, y, width, height = shown.region or (0, 0, shown.width, shown.height)
+        across, up = region.width / shown.width, region.height / shown.height
         gpu.state.blend_set('ALPHA_PREMULT')
+        engine = self._engine()
         engine.bind_display_space_shader(scene)
-        draw_texture_2d(self._texture, (0, 0), region.width, region.height)
+        draw_texture_2d(self._texture, (x * across, y * up), width * across, height * up)
         engine.unbind_display_space_shader()
         gpu.state.blend_set('NONE')
 
-    def _render(self, engine: bpy.types.RenderEngine, scene: bpy.types.Scene, view: tuple) -> None:
-        """Makes the texture for a view. While a final frame is rendered the old one stays."""
-        import gpu
 
-        width, height, view_matrix, window_matrix = view
-        self._scene.camera = core.Camera(np.array(view_matrix), np.array(window_matrix))
-        try:
-            frame = renderer.render_if_idle(
-                devices.of_viewport(scene), self._scene, settings.viewport(scene, width, height))
-        except core.Error as fault:
-            engine.update_stats("", f"Verglas | {fault}")
-            self._view, self._texture = view, None
-            return
-        if frame is not None:
-            pixels = np.ascontiguousarray(frame.combined, np.float32).reshape(-1)
-            buffer = gpu.types.Buffer('FLOAT', len(pixels), pixels)
-            self._view = view
-            self._texture = gpu.types.GPUTexture((width, height), format='RGBA32F', data=buffer)
+def _numbers(matrix) -> tuple[tuple[float, ...], ...]:
+    return tuple(map(tuple, matrix))
 
 
-def _summary(warnings: list[str]) -> str:
-    """The first warning, and how many more there are."""
-    distinct = list(dict.fromkeys(warnings))
-    if not distinct:
-        return ""
-    return distinct[0] if len(distinct) == 1 else f"{distinct[0]} ({len(distinct) - 1} more warnings)"
+def _redraw_panels(context: bpy.types.Context) -> None:
+    """Of messages."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == 'PROPERTIES':
+                area.tag_redraw()
+
+
+def _watch() -> None:
+    if not bpy.app.timers.is_registered(_poll):
+        bpy.app.timers.register(_poll, persistent=True)
+
+
+def _poll() -> float | None:
+    """Has new pictures drawn; ends when there will be no more."""
+    going_on = False
+    for view in views():
+        if view.has_news:
+            view.tag_redraw()
+        going_on = going_on or not view.is_done
+    return POLL_SECONDS if going_on else None
+
+
+def unregister() -> None:
+    if bpy.app.timers.is_registered(_poll):
+        bpy.app.timers.unregister(_poll)

@@ -16,6 +16,7 @@
 #include "core/passes/pyramid.h"
 #include "core/passes/shading.h"
 #include "core/passes/view.h"
+#include "core/upscaling.h"
 
 namespace verglas {
 namespace {
@@ -73,6 +74,17 @@ glm::mat4 jittered(const glm::mat4& projection, glm::vec2 offset, glm::ivec2 siz
     return shift * projection;
 }
 
+// The projection of a frame whose lower left part, of the given size, has this one.
+glm::mat4 reaching(glm::ivec2 frame, const glm::mat4& projection, glm::ivec2 size) {
+    const glm::vec2 scale = glm::vec2(size) / glm::vec2(frame);
+    glm::mat4 shrink(1.0F);
+    for (int axis = 0; axis < 2; ++axis) {
+        shrink[axis][axis] = scale[axis];
+        shrink[3][axis] = scale[axis] - 1.0F;
+    }
+    return shrink * projection;
+}
+
 Rect region_of(const Settings& settings) { return rendered_rect(settings.size, settings.region); }
 
 // GROUP_SIZE of shaders/geometry_buffer.glsl.
@@ -81,6 +93,7 @@ constexpr std::size_t max_materials = 4096;
 void check(const Scene& scene, const Settings& settings) {
     if (settings.size.x < 1 || settings.size.y < 1) throw Error("A picture needs at least one pixel.");
     if (settings.samples < 1) throw Error("A picture needs at least one sample.");
+    check_pixel_size(settings);
     if (settings.roughness_classes < 2 || settings.roughness_classes > model::MAX_ROUGHNESS_CLASSES)
         throw Error("A texture of roughness has 2 to " + std::to_string(model::MAX_ROUGHNESS_CLASSES) +
                     " classes.");
@@ -99,17 +112,28 @@ void check(const Scene& scene, const Settings& settings) {
 
 }  // namespace
 
+// What one picture has of its own. Lives on the GL thread.
+struct Renderer::Canvas {
+    std::unique_ptr<Targets> targets;
+    std::vector<ViewGroup> groups;
+    Unfilled<glm::vec4> normal_depth;
+    std::map<std::string, double> prepare_seconds;
+    double seconds = 0.0;
+    double readback_seconds = 0.0;
+    int samples = 0;
+};
+
 class Renderer::Device {
   public:
     Device() : materials_(user_cache_folder()) {}
 
-    void prepare(const Scene& scene, const Settings& settings);
-    void draw_sample(const Scene& scene, const Settings& settings, int sample);
-    Frame finish(const Settings& settings);
+    void prepare(const Scene& scene, const Settings& settings, Canvas& canvas);
+    // After prepare(), with no other canvas' in between.
+    void draw_sample(const Scene& scene, const Settings& settings, Canvas& canvas);
+    Frame finish(const Settings& settings, Canvas& canvas);
 
   private:
-    void draw_data(const ShadingInputs& inputs, const Rect& region);
-    Unfilled<glm::vec4> read(const gl::Texture& texture, const Rect& rect);
+    void draw_data(const ShadingInputs& inputs, const Canvas& canvas, const Rect& region);
 
     GeometryPass geometry_;
     RefractionPass refraction_;
@@ -122,171 +146,225 @@ class Renderer::Device {
     ReliefCache reliefs_;
     MaterialCache materials_;
     EnvironmentCache environment_;
-    std::unique_ptr<Targets> targets_;
-    std::vector<ViewGroup> groups_;
-    Unfilled<glm::vec4> normal_depth_;
-    std::map<std::string, double> prepare_seconds_;
-    double seconds_ = 0.0;
-    double readback_seconds_ = 0.0;
 };
 
-void Renderer::Device::prepare(const Scene& scene, const Settings& settings) {
-    prepare_seconds_["meshes"] = seconds_of([&] { return meshes_.update(scene); });
-    prepare_seconds_["textures"] = seconds_of([&] {
+namespace {
+
+// From the GPU, which has finished.
+Unfilled<glm::vec4> read(const gl::Texture& texture, const Rect& rect, double& seconds) {
+    const Clock::time_point begin = Clock::now();
+    Unfilled<glm::vec4> pixels(rect.pixels());
+    glGetTextureSubImage(texture.id(), 0, rect.begin.x, rect.begin.y, 0, rect.size().x, rect.size().y, 1,
+                         GL_RGBA, GL_FLOAT, static_cast<GLsizei>(pixels.size() * sizeof(glm::vec4)),
+                         pixels.data());
+    seconds += seconds_since(begin);
+    return pixels;
+}
+
+}  // namespace
+
+void Renderer::Device::prepare(const Scene& scene, const Settings& settings, Canvas& canvas) {
+    std::map<std::string, double> seconds;
+    seconds["meshes"] = seconds_of([&] { return meshes_.update(scene); });
+    seconds["textures"] = seconds_of([&] {
         const bool new_roughness = textures_.update(scene.materials, settings.roughness_classes);
         return reliefs_.update(scene.materials) || new_roughness;
     });
-    prepare_seconds_["tables"] = seconds_of([&] { return materials_.update(scene.materials, textures_); });
-    prepare_seconds_["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
+    seconds["tables"] = seconds_of([&] { return materials_.update(scene.materials, textures_); });
+    seconds["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
+    if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();
+    canvas.groups = group_objects(scene, meshes_, settings.size, region_of(settings));
+    if (canvas.samples > 0) return;
     const RoughnessData of_front = textures_.empty() ? RoughnessData::None : RoughnessData::Values;
     const RoughnessData of_back = RefractionPass::back_data(settings, textures_.most_classes());
     const bool with_layers = RefractionPass::needs_layers(settings);
-    if (!targets_ || !targets_->fit(settings.size, of_front, of_back, with_layers)) {
-        targets_.reset();
-        targets_ = std::make_unique<Targets>(settings.size, of_front, of_back, with_layers);
+    if (!canvas.targets || !canvas.targets->fit(settings.size, of_front, of_back, with_layers)) {
+        canvas.targets.reset();
+        canvas.targets = std::make_unique<Targets>(settings.size, of_front, of_back, with_layers);
     }
-    if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();
-    groups_ = group_objects(scene, meshes_, settings.size, region_of(settings));
     glDisable(GL_SCISSOR_TEST);
     constexpr float black[4] = {};
-    glClearNamedFramebufferfv(targets_->sum_framebuffer.id(), GL_COLOR, 0, black);
+    glClearNamedFramebufferfv(canvas.targets->sum_framebuffer.id(), GL_COLOR, 0, black);
     timers_.collect();
     glFinish();
-    seconds_ = 0.0;
-    readback_seconds_ = 0.0;
+    canvas.prepare_seconds = seconds;
+    canvas.seconds = 0.0;
+    canvas.readback_seconds = 0.0;
 }
 
-void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings, int sample) {
+void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings, Canvas& canvas) {
     const Clock::time_point begin = Clock::now();
     const gl::PassScope scope("sample");
     const Rect region = region_of(settings);
+    const Targets& targets = *canvas.targets;
     // The first sample looks through the pixel's centre.
-    const glm::vec2 offset = blackman_harris_offset(r2_point(sample), settings.filter_width);
+    const glm::vec2 offset = blackman_harris_offset(r2_point(canvas.samples), settings.filter_width);
     const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size),
                     settings.size};
-    const ShadingInputs inputs{view,          scene,           settings,
-                               *environment_, targets_->front, textures_.most_classes()};
+    const ShadingInputs inputs{view, scene, settings, *environment_, targets.front, textures_.most_classes()};
     const Surfaces surfaces{scene.materials, textures_, reliefs_};
     const bool with_pyramid = RefractionPass::needs_pyramid(settings);
     const bool with_layers = RefractionPass::needs_layers(settings);
-    const bool with_classes = class_layers(targets_->back.roughness_data()) > 0;
+    const bool with_classes = class_layers(targets.back.roughness_data()) > 0;
     // Coarse levels see all of the frame.
     const auto back_rect = [&](const ViewGroup& group) {
         return with_pyramid || with_classes ? Rect{{}, settings.size} : group.rect;
     };
-    geometry_.clear(targets_->front, Faces::NearestFront, {glm::ivec2(0), settings.size});
-    for (int number = 0; number < static_cast<int>(groups_.size()); ++number) {
-        const ViewGroup& group = groups_[number];
+    geometry_.clear(targets.front, Faces::NearestFront, {glm::ivec2(0), settings.size});
+    for (int number = 0; number < static_cast<int>(canvas.groups.size()); ++number) {
+        const ViewGroup& group = canvas.groups[number];
         {
             const gl::PassScope pass("back faces");
             const gl::Timers::Scope timer(timers_, "back_faces");
-            geometry_.clear(targets_->back, Faces::FarthestBack, back_rect(group));
-            geometry_.draw(targets_->back, Faces::FarthestBack, view, group, number, surfaces);
+            geometry_.clear(targets.back, Faces::FarthestBack, back_rect(group));
+            geometry_.draw(targets.back, Faces::FarthestBack, view, group, number, surfaces);
             pass.check();
         }
         if (with_layers) {
             const gl::PassScope pass("inner layers");
             const gl::Timers::Scope timer(timers_, "inner_layers");
-            geometry_.clear(targets_->inner->nearest_back, Faces::NearestBack, back_rect(group));
-            geometry_.draw(targets_->inner->nearest_back, Faces::NearestBack, view, group, number, surfaces);
-            geometry_.clear(targets_->inner->farthest_front, Faces::FarthestFront, group.rect);
-            geometry_.draw(targets_->inner->farthest_front, Faces::FarthestFront, view, group, number,
+            geometry_.clear(targets.inner->nearest_back, Faces::NearestBack, back_rect(group));
+            geometry_.draw(targets.inner->nearest_back, Faces::NearestBack, view, group, number, surfaces);
+            geometry_.clear(targets.inner->farthest_front, Faces::FarthestFront, group.rect);
+            geometry_.draw(targets.inner->farthest_front, Faces::FarthestFront, view, group, number,
                            surfaces);
             pass.check();
         }
         if (with_classes) {
             const gl::PassScope pass("coverage pyramid");
             const gl::Timers::Scope timer(timers_, "coverage");
-            glGenerateTextureMipmap(targets_->class_pyramid.id());
+            glGenerateTextureMipmap(targets.class_pyramid.id());
             pass.check();
         }
         if (with_pyramid) {
             const gl::PassScope pass("geometry pyramid");
             const gl::Timers::Scope timer(timers_, "pyramid");
-            pyramid_->build(targets_->back.texels());
+            pyramid_->build(targets.back.texels());
             pass.check();
         }
         {
             const gl::PassScope pass("front faces");
             const gl::Timers::Scope timer(timers_, "front_faces");
-            geometry_.draw(targets_->front, Faces::NearestFront, view, group, number, surfaces);
+            geometry_.draw(targets.front, Faces::NearestFront, view, group, number, surfaces);
             pass.check();
         }
         {
             const gl::PassScope pass("refraction");
             const gl::Timers::Scope timer(timers_, "refraction");
-            const BackGeometry back{targets_->back, targets_->class_pyramid,
-                                    with_layers ? &*targets_->inner : nullptr,
+            const BackGeometry back{targets.back, targets.class_pyramid,
+                                    with_layers ? &*targets.inner : nullptr,
                                     with_pyramid ? pyramid_.get() : nullptr};
-            refraction_.draw(inputs, targets_->shaded_framebuffer, back, materials_, group, number);
+            refraction_.draw(inputs, targets.shaded_framebuffer, back, materials_, group, number);
             pass.check();
         }
     }
     {
         const gl::PassScope pass("background");
         const gl::Timers::Scope timer(timers_, "background");
-        background_.draw(inputs, targets_->sum_framebuffer, targets_->shaded, region);
+        background_.draw(inputs, targets.sum_framebuffer, targets.shaded, region);
         pass.check();
     }
-    if (sample == 0) draw_data(inputs, region);
+    if (canvas.samples == 0) draw_data(inputs, canvas, region);
     glFinish();
-    if (sample == 0) normal_depth_ = read(targets_->shaded, region);
-    seconds_ += seconds_since(begin);
+    if (canvas.samples == 0) canvas.normal_depth = read(targets.shaded, region, canvas.readback_seconds);
+    ++canvas.samples;
+    canvas.seconds += seconds_since(begin);
 }
 
 // Depth and normals come from the sample through the pixel's centre, unfiltered.
-void Renderer::Device::draw_data(const ShadingInputs& inputs, const Rect& region) {
+void Renderer::Device::draw_data(const ShadingInputs& inputs, const Canvas& canvas, const Rect& region) {
     const gl::PassScope pass("data passes");
     const gl::Timers::Scope timer(timers_, "data");
-    data_.draw(inputs, targets_->shaded_framebuffer, region);
+    data_.draw(inputs, canvas.targets->shaded_framebuffer, region);
     pass.check();
 }
 
-// From the GPU, which has finished.
-Unfilled<glm::vec4> Renderer::Device::read(const gl::Texture& texture, const Rect& rect) {
-    const Clock::time_point begin = Clock::now();
-    Unfilled<glm::vec4> pixels(std::size_t(rect.size().x) * rect.size().y);
-    glGetTextureSubImage(texture.id(), 0, rect.begin.x, rect.begin.y, 0, rect.size().x, rect.size().y, 1,
-                         GL_RGBA, GL_FLOAT, static_cast<GLsizei>(pixels.size() * sizeof(glm::vec4)),
-                         pixels.data());
-    readback_seconds_ += seconds_since(begin);
-    return pixels;
-}
-
-Frame Renderer::Device::finish(const Settings& settings) {
+Frame Renderer::Device::finish(const Settings& settings, Canvas& canvas) {
     const Clock::time_point begin = Clock::now();
     const gl::PassScope scope("readback");
     const Rect region = region_of(settings);
     Frame frame;
     frame.size = region.size();
-    frame.combined = read(targets_->sum, region);
-    const float share = 1.0F / static_cast<float>(settings.samples);
+    frame.combined = read(canvas.targets->sum, region, canvas.readback_seconds);
+    const float share = 1.0F / static_cast<float>(canvas.samples);
     for (glm::vec4& pixel : frame.combined) pixel *= share;
-    frame.normal_depth = std::move(normal_depth_);
-    frame.seconds = seconds_ + seconds_since(begin);
+    frame.normal_depth = canvas.normal_depth;
+    canvas.seconds += seconds_since(begin);
+    frame.seconds = canvas.seconds;
     frame.pass_seconds = timers_.collect();
-    frame.pass_seconds["readback"] = readback_seconds_;
-    frame.prepare_seconds = prepare_seconds_;
+    frame.pass_seconds["readback"] = canvas.readback_seconds;
+    frame.prepare_seconds = canvas.prepare_seconds;
     scope.check();
     return frame;
 }
 
-Renderer::Renderer() : device_(thread_.run([] { return std::make_unique<Device>(); })) {}
+class Renderer::Picture : public GrowingPicture {
+  public:
+    explicit Picture(Renderer& renderer) : renderer_(renderer), canvas_(std::make_unique<Canvas>()) {}
+    ~Picture() override {
+        renderer_.thread_.run([this] { canvas_.reset(); });
+    }
+
+    void begin(Scene scene, const Settings& settings) override;
+    bool grow(int samples, const Progress& progress) override;
+    std::optional<Frame> frame(const Progress& progress) override;
+
+  private:
+    Renderer& renderer_;
+    Scene scene_;
+    Settings settings_;  // of the squares that are shaded
+    Rect rect_;          // pixels that are wanted
+    std::unique_ptr<Canvas> canvas_;
+};
+
+void Renderer::Picture::begin(Scene scene, const Settings& settings) {
+    check(scene, settings);
+    scene_ = std::move(scene);
+    settings_ = settings;
+    rect_ = region_of(settings);
+    canvas_->samples = 0;
+    if (settings.pixel_size == 1) return;
+    settings_.size = squares_of({{}, settings.size}, settings.pixel_size).end;
+    settings_.region = squares_of(rect_, settings.pixel_size);
+    scene_.camera.projection =
+        reaching(settings_.size * settings.pixel_size, scene_.camera.projection, settings.size);
+}
+
+bool Renderer::Picture::grow(int samples, const Progress& progress) {
+    const std::lock_guard lock(renderer_.rendering_);
+    Device& device = *renderer_.device_;
+    renderer_.thread_.run([&] { device.prepare(scene_, settings_, *canvas_); });
+    while (canvas_->samples < samples) {
+        renderer_.thread_.run([&] { device.draw_sample(scene_, settings_, *canvas_); });
+        if (progress && !progress(canvas_->samples, settings_.samples)) return false;
+    }
+    return true;
+}
+
+std::optional<Frame> Renderer::Picture::frame(const Progress&) {
+    const std::lock_guard lock(renderer_.rendering_);
+    Frame frame = renderer_.thread_.run([&] { return renderer_.device_->finish(settings_, *canvas_); });
+    if (settings_.pixel_size == 1) return frame;
+    return upscaled(frame, *settings_.region, rect_, settings_.pixel_size);
+}
+
+Renderer::Renderer()
+    : device_(thread_.run([] { return std::make_unique<Device>(); })),
+      picture_(std::make_unique<Picture>(*this)) {}
 
 Renderer::~Renderer() {
+    picture_.reset();
     thread_.run([this] { device_.reset(); });
 }
 
+std::unique_ptr<GrowingPicture> Renderer::make_picture() { return std::make_unique<Picture>(*this); }
+
 std::optional<Frame> Renderer::render(const Scene& scene, const Settings& settings,
                                       const Progress& progress) {
-    check(scene, settings);
-    const std::lock_guard lock(rendering_);
-    thread_.run([&] { device_->prepare(scene, settings); });
-    for (int sample = 0; sample < settings.samples; ++sample) {
-        thread_.run([&] { device_->draw_sample(scene, settings, sample); });
-        if (progress && !progress(sample + 1, settings.samples)) return std::nullopt;
-    }
-    return thread_.run([&] { return device_->finish(settings); });
+    const std::lock_guard lock(picture_mutex_);
+    picture_->begin(scene, settings);
+    if (!picture_->grow(settings.samples, progress)) return std::nullopt;
+    return picture_->frame(progress);
 }
 
 }  // namespace verglas

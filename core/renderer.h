@@ -2,16 +2,13 @@
 // Scene in, frame out.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 
-#include "core/frame.h"
 #include "core/gl/thread.h"
-#include "core/scene/scene.h"
-#include "core/scene/settings.h"
+#include "core/growing_picture.h"
 
 namespace verglas {
 
@@ -24,18 +21,22 @@ class Renderer {
 
     const std::string& device() const { return thread_.device(); }
 
-    // Called after each sample with (done, all) on the calling thread; false ends the render.
-    using Progress = std::function<bool(int, int)>;
-
     // Waits for the picture, and before that for those that other threads have asked for; nothing when
-    // progress ended it. Throws Error.
+    // progress, which is called after each sample, ended it. Throws Error.
     std::optional<Frame> render(const Scene& scene, const Settings& settings, const Progress& progress = {});
+
+    // Grows on the same GL thread; must not outlive the renderer.
+    std::unique_ptr<GrowingPicture> make_picture();
 
   private:
     class Device;  // what lives on the GL thread
+    struct Canvas;
+    class Picture;
 
     gl::Thread thread_;
     std::unique_ptr<Device> device_;
+    std::unique_ptr<Picture> picture_;  // of render()
+    std::mutex picture_mutex_;
     std::mutex rendering_;
 };
 

@@ -19,6 +19,7 @@
 #include "core/tracing/path_tracer.h"
 #include "core/tracing/ray_scene.h"
 #include "core/tracing/traced_renderer.h"
+#include "core/viewport_renderer.h"
 
 namespace py = pybind11;
 
@@ -372,7 +373,9 @@ void bind_settings(py::module_& module) {
     def_size(settings);
     def_region(settings);
     settings.def(py::init<>())
+        .def("__eq__", [](const Settings& a, const Settings& b) { return a == b; })
         .def_readwrite("samples", &Settings::samples)
+        .def_readwrite("pixel_size", &Settings::pixel_size)
         .def_readwrite("filter_width", &Settings::filter_width)
         .def_readwrite("reflection", &Settings::reflection)
         .def_readwrite("transparent", &Settings::transparent)
@@ -389,7 +392,7 @@ void bind_settings(py::module_& module) {
 using PythonProgress = std::optional<std::function<bool(int, int)>>;
 
 // The callback, which takes the GIL for itself; nothing where there is none.
-Renderer::Progress progress_of(const PythonProgress& progress) {
+Progress progress_of(const PythonProgress& progress) {
     if (!progress) return {};
     return [&progress](int done, int total) {
         const py::gil_scoped_acquire acquire;
@@ -464,7 +467,7 @@ void bind_path_tracer(py::module_& module) {
 }
 
 void bind_renderer(py::module_& module) {
-    py::class_<Frame>(module, "Frame")
+    py::class_<Frame, std::shared_ptr<Frame>>(module, "Frame")
         .def_property_readonly("combined",
                                [](const py::object& self) {
                                    const auto& frame = self.cast<const Frame&>();
@@ -508,6 +511,33 @@ void bind_renderer(py::module_& module) {
             py::arg("scene"), py::arg("settings"), py::arg("progress") = py::none());
 }
 
+void bind_viewport(py::module_& module) {
+    py::class_<ViewportRenderer>(module, "ViewportRenderer")
+        .def(py::init([](Renderer& device) {
+                 return std::make_unique<ViewportRenderer>([&device] { return device.make_picture(); });
+             }),
+             py::arg("device"), py::keep_alive<1, 2>())
+        .def(py::init([](TracedRenderer& device) {
+                 return std::make_unique<ViewportRenderer>([&device] { return device.make_picture(); });
+             }),
+             py::arg("device"), py::keep_alive<1, 2>())
+        .def("stop", &ViewportRenderer::stop, py::call_guard<py::gil_scoped_release>());
+
+    using View = ViewportRenderer::View;
+    py::class_<View>(module, "ViewportView")
+        .def(py::init<const ViewportRenderer&>(), py::arg("renderer"))
+        .def("show", &View::show, py::arg("scene"), py::arg("settings"), py::arg("seconds"))
+        .def("take",
+             [](View& self) -> std::optional<std::tuple<std::shared_ptr<Frame>, Settings>> {
+                 const std::optional<Shown> shown = self.take();
+                 if (!shown) return std::nullopt;
+                 return std::tuple(std::const_pointer_cast<Frame>(shown->frame), shown->settings);
+             })
+        .def_property_readonly("has_news", &View::has_news)
+        .def_property_readonly("is_done", &View::is_done)
+        .def_property_readonly("fault", &View::fault);
+}
+
 }  // namespace
 }  // namespace verglas
 
@@ -520,4 +550,5 @@ PYBIND11_MODULE(verglas_core, module) {
     verglas::bind_settings(module);
     verglas::bind_renderer(module);
     verglas::bind_path_tracer(module);
+    verglas::bind_viewport(module);
 }

@@ -207,6 +207,9 @@ class Settings:
     """Whole frame in pixels, 1 … 16384 (the driver's limit may be lower). Default 512 x 512."""
     region: tuple[int, int, int, int] | None
     """(x, y, width, height) in pixels from the lower left: only this part is shaded and returned. Default whole."""
+    pixel_size: int
+    """Pixels along each side of the squares that are shaded as one; more than 1 for quick pictures of one sample.
+    Default 1."""
     samples: int
     """Jittered samples a pixel, 1 … 65536. Default 16. The first looks through the pixel's centre."""
     filter_width: float
@@ -240,6 +243,7 @@ class Settings:
     threads: int
     """Of TracedRenderer: how many work; 0 (default): one for each core. The picture doesn't depend on it."""
     def __init__(self) -> None: ...
+    def __eq__(self, other: object) -> bool: ...
 
 class Frame:
     """Premultiplied alpha, scene-linear."""
@@ -297,6 +301,33 @@ class TracedRenderer:
         """As Renderer.render; transport, intersection and tir of the settings are the OpenGL device's.
         One sample is a picture without noise, further ones converge to the path tracer's. progress(done, total)
         is called at least every few dozen milliseconds. Picture and noise depend on scene and settings alone."""
+
+class ViewportRenderer:
+    """Makes the pictures of any number of viewports by one device, on a thread of its own; nobody waits for it. Who
+    asks for something new gets a quick picture first, shaded for squares of pixels, then one of all pixels, then
+    pictures of ever more samples."""
+    def __init__(self, device: Renderer | TracedRenderer) -> None: ...
+    def stop(self) -> None:
+        """No more pictures; waits for what is being made to end. To be called before the process ends."""
+
+class ViewportView:
+    """One viewport; it gets pictures as long as it lives."""
+    def __init__(self, renderer: ViewportRenderer) -> None: ...
+    def show(self, scene: Scene, settings: Settings, seconds: float) -> None:
+        """Asks for this in place of what was asked for before; returns at once. The scene is copied. settings.samples:
+        to grow to; pixel_size is chosen so that a quick picture takes no more than so many seconds."""
+    def take(self) -> tuple[Frame, Settings] | None:
+        """The newest picture, with what it was made by: its own samples and pixel_size; None where it has been
+        taken before."""
+    @property
+    def has_news(self) -> bool:
+        """Whether take() has a picture."""
+    @property
+    def is_done(self) -> bool:
+        """Whether nothing more will come of what was asked for last."""
+    @property
+    def fault(self) -> str:
+        """Why that can't be made, a sentence; "" where it can. The picture before stays."""
 
 class RayScene:
     """The surfaces of a scene as it was given, for rays."""

@@ -24,6 +24,7 @@ struct Rect {
     glm::ivec2 begin{0};
     glm::ivec2 end{0};  // exclusive
 
+    bool operator==(const Rect&) const = default;
     glm::ivec2 size() const { return end - begin; }
     std::size_t pixels() const { return std::size_t(size().x) * size().y; }
     // Of a pixel, among all row by row.
@@ -60,6 +61,9 @@ enum class PathMode {
 struct Settings {
     glm::ivec2 size{512};
     std::optional<Rect> region;  // the part that is shaded and returned
+    // Pixels along each side of the squares that are shaded as one, for quick pictures of one sample; outlines
+    // are still those of the pixels.
+    int pixel_size = 1;
     int samples = 16;
     float filter_width = 1.5F;  // of the Blackman-Harris filter, pixels
     Transport transport = Transport::Bundle;
@@ -73,6 +77,8 @@ struct Settings {
     PathMode paths = PathMode::Full;
     int max_interfaces = 8;  // that a ray of the first sample crosses
     int threads = 0;         // 0: one for each core
+
+    bool operator==(const Settings&) const = default;
 };
 
 }  // namespace verglas

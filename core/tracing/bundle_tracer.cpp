@@ -155,7 +155,10 @@ glm::vec2 sample_offset(glm::ivec2 pixel, int sample, const Settings& settings) 
 }
 
 BundleTracer::BundleTracer(const TracedScene& scene, const Settings& settings, int sample)
-    : scene_(scene), settings_(settings), camera_(scene.scene().camera, settings.size), sample_(sample) {}
+    : scene_(scene),
+      settings_(settings),
+      camera_(scene.scene().camera, glm::vec2(settings.size) / static_cast<float>(settings.pixel_size)),
+      sample_(sample) {}
 
 void BundleTracer::trace(const Rect& tile, TracedPicture& picture) const {
     thread_local Wave wave;

@@ -47,8 +47,8 @@ glm::vec2 sample_offset(glm::ivec2 pixel, int sample, const Settings& settings);
 
 class BundleTracer {
   public:
-    // Both must outlive it. sample: 0 is the picture without noise; further ones are drawn, each of them new,
-    // and their mean converges to what a path tracer finds.
+    // Both must outlive it. Its pixels are Settings::pixel_size wide. sample: 0 is the picture without noise;
+    // further ones are drawn, each of them new, and their mean converges to what a path tracer finds.
     BundleTracer(const TracedScene& scene, const Settings& settings, int sample);
 
     // Fills a part of the picture, which must lie within its region. By many threads at once.

@@ -8,10 +8,10 @@
 
 namespace verglas {
 
-// The rays of a camera through the pixels of a frame of the given size.
+// The rays of a camera through the pixels of a frame of the given size, which need not be whole.
 class CameraRays {
   public:
-    CameraRays(const Camera& camera, glm::ivec2 size)
+    CameraRays(const Camera& camera, glm::vec2 size)
         : view_(camera.view), clip_to_world_(glm::inverse(camera.projection * camera.view)), size_(size) {}
 
     // pixel: from the lower left corner of the frame; (1/2, 1/2) is the centre of the first one.

@@ -142,7 +142,7 @@ void ProgressivePicture::prepare(const Rect& tile, const BundleTracer& tracer) {
             result.base = shown(pixel);
             result.looks = 1;
         } else {
-            result.base = glm::mix(shown(pixel), filtered(pixel), filtered_part());
+            result.base = filtered(pixel);
             result.covered = 1.0F;
         }
     });
@@ -156,7 +156,7 @@ void ProgressivePicture::resolve_first(const Rect& tile, const BundleTracer& tra
         Pixel edge{};
         edge.object = surface(pixel).object;
         look_through(pixel, tracer, edge);
-        resolve_pixel(pixel, edge.mean_base(), edge.mean_covered(), frame);
+        resolve_pixel(pixel, edge.base / static_cast<float>(edge.looks), edge.mean_covered(), frame);
     });
 }
 
@@ -189,10 +189,14 @@ void ProgressivePicture::look_through(glm::ivec2 pixel, const BundleTracer& trac
     result.looks = result.looks_ahead = looks_ahead;
 }
 
-// How much of the pixel filter the first sample passes inside of objects: it is smooth already, and with the
-// filter farther from the truth by itself, but what the mean of many drawn samples is compared with needs it.
-float ProgressivePicture::filtered_part() const {
-    return 1.0F - 1.0F / static_cast<float>(settings_.samples);
+// What the first sample shows in the mean. Inside of objects it passes a part of the pixel filter: it is
+// smooth already, and with the filter farther from the truth by itself, but what the mean of many drawn
+// samples is compared with needs it.
+glm::vec3 ProgressivePicture::base(glm::ivec2 pixel) const {
+    const Pixel& sum = known(pixel);
+    if (sum.looks > 0) return sum.base / static_cast<float>(sum.looks);
+    const float filtered_part = drawn_samples_ / (drawn_samples_ + 1.0F);
+    return glm::mix(shown(pixel), sum.base, filtered_part);
 }
 
 // What the pixel filter makes of the first sample.
@@ -261,18 +265,18 @@ void ProgressivePicture::resolve_pixel(glm::ivec2 pixel, const glm::vec3& radian
 
 ProgressivePicture::Estimate ProgressivePicture::estimate(glm::ivec2 pixel) const {
     const Pixel& sum = known(pixel);
-    const float share = 1.0F / drawn_samples();
+    const float share = 1.0F / drawn_samples_;
     float first = 0.0F;
     float drawn = 0.0F;
     float count = 0.0F;
     for_each_neighbour(pixel, window_reach, drawn_rect_, [&](glm::ivec2 other) {
         if (known(other).object != sum.object) return;
-        const glm::vec3 base = known(other).mean_base();
+        const glm::vec3 base = this->base(other);
         first += mean(base);
         drawn += mean(base + share * known(other).error);
         count += 1.0F;
     });
-    const float light = mean(sum.mean_base());
+    const float light = mean(base(pixel));
     const float unit = std::max(light + std::max(first, least_known_share * drawn) / count, 1e-12F);
     return {sum.object, unit, light / unit, share / unit * sum.error, share / squared(unit) * sum.square};
 }
@@ -298,8 +302,8 @@ ProgressivePicture::Window ProgressivePicture::window(glm::ivec2 pixel,
     });
     sum.error /= weights;
     sum.squared_errors /= weights;
-    sum.noise /= weights * drawn_samples();
-    sum.error_noise /= squared(weights) * drawn_samples();
+    sum.noise /= weights * drawn_samples_;
+    sum.error_noise /= squared(weights) * drawn_samples_;
     return sum;
 }
 
@@ -334,7 +338,7 @@ ProgressivePicture::Window ProgressivePicture::surroundings(glm::ivec2 pixel,
 // before its own samples are looked at.
 glm::vec3 ProgressivePicture::corrected(glm::ivec2 pixel, const Raster<Estimate>& estimates,
                                         const Raster<Window>& windows) const {
-    const glm::vec3 base = known(pixel).mean_base();
+    const glm::vec3 base = this->base(pixel);
     if (known(pixel).object < 0) return base;
     const Estimate& own = estimates.at(pixel);
     const Window& window = windows.at(pixel);
@@ -349,10 +353,10 @@ glm::vec3 ProgressivePicture::corrected(glm::ivec2 pixel, const Raster<Estimate>
     correction += believed(variance_of(of_window, window_noise, least), window_noise) * of_window;
 
     const float inside_window =
-        drawn_samples() > 1.0F
+        drawn_samples_ > 1.0F
             ? std::max(window.squared_errors - squared(mean(window.error)) - window.noise, least)
             : least;
-    const float own_noise = std::max(window.noise, own.square / drawn_samples());
+    const float own_noise = std::max(window.noise, own.square / drawn_samples_);
     correction += believed(inside_window, own_noise) * (own.error - correction);
     return glm::max(base + own.unit * correction, 0.0F);
 }

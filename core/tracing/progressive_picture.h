@@ -32,8 +32,10 @@ class ProgressivePicture {
     TracedPicture& first() { return first_; }
     void average(const Rect& tile);
 
-    // If it is the only one: fills a frame that has the pixels of rect(). Looks through edges of objects,
-    // which are then smooth; tracer: of this sample.
+    const Unfilled<glm::vec3>& averaged() const { return averaged_; }
+
+    // As long as it is the only one: fills a frame that has the pixels of rect(). Looks through edges of
+    // objects, which are then smooth; tracer: of this sample.
     void resolve_first(const Rect& tile, const BundleTracer& tracer, Frame& frame) const;
 
     // Else: what drawn samples are compared with, over drawn_rect(); edges are smooth in it, too.
@@ -42,21 +44,21 @@ class ProgressivePicture {
     // Drawn sample `sample`, from 1 in a row, over drawn_rect().
     void add(const Rect& tile, const TracedPicture& drawn, int sample);
 
-    // After all of Settings::samples, over rect(): fills such a frame.
+    // After that, over rect(): fills such a frame. More samples can be added afterwards.
+    void set_samples(int samples) { drawn_samples_ = static_cast<float>(samples - 1); }
     void resolve(const Rect& tile, Frame& frame) const;
 
   private:
     // What is known of a pixel of drawn_rect().
     struct Pixel {
-        glm::vec3 base;   // sum over looks: what the first sample shows there; or that in the mean
-        float covered;    // the same, of coverage
-        int looks;        // 0: base is a mean
+        glm::vec3 base;   // sum over looks: what the first sample shows there; or that under the filter
+        float covered;    // sum over looks, of coverage
+        int looks;        // 0: inside of an object
         int looks_ahead;  // drawn samples that base knows of from the start
         int object;       // which the pixel shows, or whose edge it sees
         glm::vec3 error;  // sum over drawn samples: what they see more than the first
         float square;     // sum of the squares of its mean over channels
 
-        glm::vec3 mean_base() const { return looks > 0 ? base / static_cast<float>(looks) : base; }
         float mean_covered() const { return looks > 0 ? covered / static_cast<float>(looks) : covered; }
     };
     struct Estimate;
@@ -71,7 +73,7 @@ class ProgressivePicture {
     bool is_edge(glm::ivec2 pixel) const;
     bool has_edge(const Rect& part) const;
     void look_through(glm::ivec2 pixel, const BundleTracer& tracer, Pixel& result) const;
-    float filtered_part() const;
+    glm::vec3 base(glm::ivec2 pixel) const;
     glm::vec3 filtered(glm::ivec2 pixel) const;
     Estimate estimate(glm::ivec2 pixel) const;
     Window window(glm::ivec2 pixel, const Raster<Estimate>& estimates) const;
@@ -79,7 +81,6 @@ class ProgressivePicture {
     glm::vec3 corrected(glm::ivec2 pixel, const Raster<Estimate>& estimates,
                         const Raster<Window>& windows) const;
     void resolve_pixel(glm::ivec2 pixel, const glm::vec3& radiance, float covered, Frame& frame) const;
-    float drawn_samples() const { return static_cast<float>(settings_.samples - 1); }
 
     Settings settings_;
     Rect rect_;
@@ -89,6 +90,7 @@ class ProgressivePicture {
     Unfilled<glm::vec3> averaged_;  // radiance, in the order of first_
     std::vector<float> kernel_;     // of offsets -reach … reach, in whole pixels, along one axis
     Unfilled<Pixel> pixels_;
+    float drawn_samples_ = 0.0F;
 };
 
 }  // namespace verglas

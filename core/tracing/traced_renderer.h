@@ -2,13 +2,11 @@
 // The CPU device: scene in, frame out, as Renderer, without OpenGL.
 #pragma once
 
-#include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 
-#include "core/frame.h"
-#include "core/scene/scene.h"
-#include "core/scene/settings.h"
+#include "core/growing_picture.h"
 
 namespace verglas {
 
@@ -25,17 +23,19 @@ class TracedRenderer {
     TracedRenderer();
     ~TracedRenderer();
 
-    // Called with (samples done, all) on the calling thread, at least every few dozen milliseconds; false
-    // ends the render.
-    using Progress = std::function<bool(int, int)>;
-
     // Waits for the picture, and before that for those that other threads have asked for; nothing when
-    // progress ended it. Throws Error.
+    // progress, which is called at least every few dozen milliseconds, ended it. Throws Error.
     std::optional<Frame> render(const Scene& scene, const Settings& settings, const Progress& progress = {});
+
+    // Grows by the same device; may outlive the renderer.
+    std::unique_ptr<GrowingPicture> make_picture();
 
   private:
     class Device;
-    std::unique_ptr<Device> device_;
+    class Picture;
+    std::shared_ptr<Device> device_;
+    std::unique_ptr<Picture> picture_;  // of render()
+    std::mutex rendering_;
 };
 
 }  // namespace verglas

@@ -39,6 +39,7 @@ def rows(plan: Plan, progress: Progress, notes: list[str]) -> list[Row]:
     try:
         window.call("viewports.lay_out_one")
         window.call("edits.load", str(SCENE))
+        window.call("edits.set_setting", "viewport_samples", 1)
         return [_row(window, method, plan) for method in DEVICES]
     finally:
         window.close()

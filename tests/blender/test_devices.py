@@ -5,12 +5,12 @@ import os
 import subprocess
 import textwrap
 import threading
+import time
 
 import bpy
-import numpy as np
 import pytest
 from scenes import add_sphere, frosted, set_map
-from verglas import devices, renderer, ui, viewport
+from verglas import devices, renderer, ui
 from verglas import verglas_core as core
 from verglas.engine import VerglasRenderEngine
 from verglas.sync import settings
@@ -36,8 +36,8 @@ def machine(monkeypatch):
     """A function that takes the driver of this machine's OpenGL, None for a machine without."""
     def set_driver(driver: str | None) -> None:
         opengl = _cannot_be_had if driver is None else lambda: _Renderer('OPENGL', driver)
-        monkeypatch.setattr(renderer, "_devices", {
-            'OPENGL': renderer._Device(opengl), 'CPU': renderer._Device(lambda: _Renderer('CPU'))})
+        monkeypatch.setattr(renderer, "MAKERS", {'OPENGL': opengl, 'CPU': lambda: _Renderer('CPU')})
+        monkeypatch.setattr(renderer, "_final", {})
         monkeypatch.setattr(devices, "automatic", None)
 
     return set_driver
@@ -61,8 +61,7 @@ def test_auto(machine, driver, device):
     machine(driver)
     assert devices.automatic is None  # the panel says nothing that isn't known
     assert renderer.render('AUTO', core.Scene(), core.Settings()) == device
-    assert renderer.render_if_idle('AUTO', core.Scene(), core.Settings()) == device
-    assert devices.automatic == device
+    assert renderer.resolved('AUTO') == devices.automatic == device
 
 
 def test_chosen_device_is_taken(machine):
@@ -76,29 +75,38 @@ def test_chosen_device_is_taken(machine):
         renderer.render('OPENGL', core.Scene(), core.Settings())
 
 
-def test_devices_do_not_wait_for_each_other(machine, monkeypatch):
-    """The viewport would stand still while the other device renders a final frame, or wait for its own."""
+@pytest.mark.parametrize("device", ['OPENGL', 'CPU'])
+def test_viewport_does_not_wait_for_a_final_frame(device):
+    """The viewport would stand still for as long as F12 takes."""
     begun, end = threading.Event(), threading.Event()
 
-    class Slow(_Renderer):
-        def render(self, scene, settings, progress=None):
-            begun.set()
-            assert end.wait(30)
-            return self.name
+    def progress(done, total):
+        begun.set()
+        return not end.wait(30)
 
-    machine(None)
-    monkeypatch.setitem(renderer._devices, 'OPENGL', renderer._Device(lambda: Slow('OPENGL')))
-    final = threading.Thread(target=renderer.render, args=('OPENGL', core.Scene(), core.Settings()))
+    scene, chosen = core.Scene(), core.Settings()
+    chosen.width, chosen.height, chosen.samples = 32, 24, 1
+    final = threading.Thread(target=renderer.render, args=(device, scene, chosen, progress))
     final.start()
     try:
         assert begun.wait(30)
-        assert renderer.render_if_idle('OPENGL', core.Scene(), core.Settings()) is None
-        assert renderer.render_if_idle('CPU', core.Scene(), core.Settings()) == 'CPU'
-        assert renderer.render('CPU', core.Scene(), core.Settings()) == 'CPU'
+        view = core.ViewportView(renderer.of_viewports(device))
+        view.show(scene, chosen, 1.0)
+        assert picture_of(view).combined.shape == (24, 32, 4)
+        assert final.is_alive()
     finally:
         end.set()
         final.join()
-    assert renderer.render_if_idle('OPENGL', core.Scene(), core.Settings()) == 'OPENGL'
+
+
+def picture_of(view: core.ViewportView) -> core.Frame:
+    """The last one of what it was asked for."""
+    last = time.monotonic() + 30
+    while not view.is_done and time.monotonic() < last:
+        time.sleep(0.01)
+    assert view.is_done and not view.fault
+    frame, _ = view.take()
+    return frame
 
 
 class _Engine:
@@ -123,19 +131,19 @@ ATTRIBUTES = [name for name in dir(core.Settings) if not name.startswith("_")]
 
 def rendered(scene, monkeypatch) -> tuple[tuple[str, dict], tuple[str, dict]]:
     """Device and settings of the viewport and of a final frame of the same size."""
-    calls = []
+    finals = []
+
+    def values(chosen):
+        return {name: getattr(chosen, name) for name in ATTRIBUTES}
 
     def note(device, _, chosen, progress=None):
-        calls.append((device, {name: getattr(chosen, name) for name in ATTRIBUTES}))
+        finals.append((device, values(chosen)))
 
     monkeypatch.setattr(renderer, "render", note)
-    monkeypatch.setattr(renderer, "render_if_idle", note)
-    engine = _Engine()
-    picture = viewport.Picture(engine, bpy.context.evaluated_depsgraph_get())
-    picture._render(engine, scene, (64, 48, np.eye(4), np.eye(4)))
     bpy.ops.render.render()
-    assert len(calls) == 2
-    return tuple(calls)
+    final, = finals
+    shown = settings.viewport(scene, final[1]["width"], final[1]["height"])
+    return (devices.of_viewport(scene), values(shown)), final
 
 
 @pytest.mark.parametrize("device", ['AUTO', 'OPENGL', 'CPU'])
@@ -144,12 +152,12 @@ def test_final_frame_shows_what_the_viewport_shows(scene, monkeypatch, device):
     set_map(scene)
     add_sphere(frosted())
     scene.verglas.device = device
-    scene.verglas.samples, scene.verglas.max_interfaces = 5, 3
+    scene.verglas.samples, scene.verglas.viewport_samples, scene.verglas.max_interfaces = 5, 4, 3
     scene.verglas.tir, scene.verglas.reflection = 'NONE', False
     scene.render.threads_mode, scene.render.threads = 'FIXED', 3
     scene.render.film_transparent = True
     shown, final = rendered(scene, monkeypatch)
-    assert (shown[1].pop("samples"), final[1].pop("samples")) == (1, 5)
+    assert (shown[1].pop("samples"), final[1].pop("samples")) == (4, 5)
     assert shown == final
     assert shown[0] == device and shown[1]["max_interfaces"] == shown[1]["threads"] == 3
 

@@ -138,7 +138,7 @@ def live() -> int:
 
 
 def picture(index: int) -> np.ndarray:
-    """(H, W, 4) float32, scene-linear: what is drawn, row 0 at the bottom."""
+    """(H, W, 4) float32, scene-linear: what is drawn, of a border that alone, row 0 at the bottom."""
     pointer = places()[index][1].as_pointer()
     return next(np.array(view.frame.combined) for view in viewport.views() if view.region == pointer)
 
