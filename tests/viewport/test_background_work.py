@@ -40,7 +40,7 @@ def test_final_frame_beside(window):
     """F12 would stop the viewport, or either spoil the other's picture."""
     settle(window)
     before = window.call("viewports.states")[0][1]
-    window.call("edits.press_f12", 960, 540)
+    window.call("edits.press_f12", 560, 320)
     orbit(window)
     seen = 0
     while window.call("edits.is_rendering"):
