@@ -15,12 +15,14 @@ from . import world
 TYPES = {'CURVE': "curve", 'FONT': "font", 'MESH': "mesh", 'META': "meta", 'SURFACE': "surf"}
 """The viewport's properties show_object_viewport_* of object types that have meshes."""
 
+DEFAULT_STUDIO_LIGHT = "forest.exr"
+
 
 def view_state(space: bpy.types.SpaceView3D) -> Hashable:
     """Differs when the scene has to be synchronised again. Looks at single objects only where the viewport's
     local view or local collections choose among them."""
     shading = space.shading
-    light = (shading.selected_studio_light.path, shading.studiolight_rotate_z,
+    light = (_path(shading), shading.studiolight_rotate_z,
              shading.studiolight_intensity) if has_studio_light(space) else None
     shown = None
     if space.local_view is not None or space.use_local_collections:
@@ -46,7 +48,7 @@ def has_studio_light(space: bpy.types.SpaceView3D) -> bool:
 
 def set_studio_light(scene: core.Scene, shading: bpy.types.View3DShading, warn: Warn) -> None:
     """As Cycles and EEVEE place it, but that it is always seen in the background, too."""
-    path = shading.selected_studio_light.path
+    path = _path(shading)
     try:
         environment = world.load_file(path, is_srgb=not path.lower().endswith((".exr", ".hdr")))
     except core.Error as fault:
@@ -56,6 +58,16 @@ def set_studio_light(scene: core.Scene, shading: bpy.types.View3DShading, warn: 
     color = world.MISSING_COLOR if environment is None else np.ones(3)
     scene.environment_color = shading.studiolight_intensity * color
     scene.environment_rotation = _about_z(shading.studiolight_rotate_z)
+
+
+def _path(shading: bpy.types.View3DShading) -> str:
+    """Of the picture. Until one is chosen Blender takes its default one."""
+    chosen = shading.selected_studio_light
+    if chosen.type == 'WORLD' and chosen.path:
+        return chosen.path
+    lights = bpy.context.preferences.studio_lights
+    worlds = {light.name: light.path for light in lights if light.type == 'WORLD'}
+    return worlds.get(DEFAULT_STUDIO_LIGHT) or next(iter(worlds.values()), "")
 
 
 def _about_z(angle: float) -> np.ndarray:
