@@ -22,6 +22,7 @@ class Work:
         self._random = random.Random(seed)
         self._path = path
         window.call("edits.save", path)
+        window.call("edits.load", path)  # nothing is undone beyond this
         self._operations = [getattr(self, name) for name in dir(self) if not name.startswith("_")]
 
     def __call__(self) -> None:
