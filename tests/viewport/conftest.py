@@ -64,9 +64,11 @@ def sleepy_window(device) -> blender_window.Window:
     if reason := blender_window.why_not():
         pytest.skip(reason)
     window = blender_window.Window(640, 480)
-    _show_new_file(window, device)
-    yield window
-    window.close()
+    try:
+        _show_new_file(window, device)
+        yield window
+    finally:
+        window.close()
 
 
 def _show_new_file(window: blender_window.Window, device: str) -> None:
