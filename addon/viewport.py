@@ -72,8 +72,11 @@ class View:
         self._messages.clear()
         self._state = sync.view_state(context.space_data)
         try:
-            self._scene = sync.scene_from(depsgraph, self._messages.warn, context.space_data)
-            self._asked = None
+            scene = sync.scene_from(depsgraph, self._messages.warn, context.space_data)
+            if self._scene is not None:
+                scene.camera = self._scene.camera
+            if scene != self._scene or self.fault:  # selecting something, say, changes nothing to be seen
+                self._scene, self._asked = scene, None
         except (faults.Fault, core.Error) as fault:
             self._messages.fault = str(fault)
         except MemoryError:

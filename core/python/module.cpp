@@ -317,6 +317,8 @@ void bind_scene(py::module_& module) {
 
     py::class_<Scene> scene(module, "Scene");
     scene.def(py::init<>())
+        .def(
+            "__eq__", [](const Scene& a, const Scene& b) { return a == b; }, py::is_operator())
         .def_readwrite("camera", &Scene::camera)
         .def_property(
             "environment_map",
@@ -373,7 +375,8 @@ void bind_settings(py::module_& module) {
     def_size(settings);
     def_region(settings);
     settings.def(py::init<>())
-        .def("__eq__", [](const Settings& a, const Settings& b) { return a == b; })
+        .def(
+            "__eq__", [](const Settings& a, const Settings& b) { return a == b; }, py::is_operator())
         .def_readwrite("samples", &Settings::samples)
         .def_readwrite("pixel_size", &Settings::pixel_size)
         .def_readwrite("filter_width", &Settings::filter_width)

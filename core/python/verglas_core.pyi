@@ -180,7 +180,8 @@ class Camera:
     def __init__(self, view: ArrayLike | None = None, projection: ArrayLike | None = None) -> None: ...
 
 class Scene:
-    """What is rendered. Objects and materials are plain lists, in any order."""
+    """What is rendered. Objects and materials are plain lists, in any order. Scenes are equal that share meshes,
+    textures and maps and are alike in all else."""
 
     camera: Camera
     environment_map: EnvironmentMap | None
@@ -197,6 +198,7 @@ class Scene:
     @property
     def materials(self) -> list[Material]:
         """Copies of them, by index."""
+    def __eq__(self, other: object) -> bool: ...
     @property
     def triangle_count(self) -> int:
         """Of all objects; a mesh counts as often as it is used."""

@@ -18,18 +18,23 @@ struct NormalMap {
     std::shared_ptr<const VectorTexture> texture;  // colours 0 … 1 for -1 … 1; may be null
     NormalSpace space = NormalSpace::Tangent;
     float strength = 1.0F;  // 0: the mesh's own normals, 1: the map's
+
+    bool operator==(const NormalMap&) const = default;
 };
 
 struct BumpMap {
     std::shared_ptr<const Texture> height;  // may be null
     float strength = 1.0F;                  // 0: the normals as they were, 1: those of the heights
     float distance = 1.0F;                  // in world units, of a height of 1; below 0 it goes inward
+
+    bool operator==(const BumpMap&) const = default;
 };
 
 struct Relief {
     NormalMap normals;
     BumpMap bump;
 
+    bool operator==(const Relief&) const = default;
     bool empty() const { return !normals.texture && !bump.height; }
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is rendered, as plain data without OpenGL.
+// What is rendered, as plain data without OpenGL. Scenes are equal that share meshes, textures and maps and are
+// alike in all else.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -28,6 +29,8 @@ struct Material {
     glm::vec3 reflection_color{1.0F};  // factor of the front reflection, linear
     bool fresnel = true;               // false: all is refracted, as by Blender's Refraction BSDF
     glm::vec3 absorption{0.0F};        // sigma_a per world unit
+
+    bool operator==(const Material&) const = default;
 };
 
 struct Object {
@@ -35,11 +38,15 @@ struct Object {
     std::shared_ptr<const Mesh> mesh;
     glm::mat4 matrix{1.0F};      // object -> world
     std::vector<int> materials;  // by slot; slots past the end take the last
+
+    bool operator==(const Object&) const = default;
 };
 
 struct Camera {
     glm::mat4 view{1.0F};        // world -> camera, which looks along -Z
     glm::mat4 projection{1.0F};  // OpenGL's, perspective or orthographic
+
+    bool operator==(const Camera&) const = default;
 };
 
 struct Scene {
@@ -49,6 +56,8 @@ struct Scene {
     std::shared_ptr<const EnvironmentMap> environment_map;  // may be null
     glm::vec3 environment_color{0.0F};                      // radiance without a map, or the factor on it
     glm::mat3 environment_rotation{1.0F};                   // world direction -> map direction
+
+    bool operator==(const Scene&) const = default;
 };
 
 }  // namespace verglas

@@ -433,3 +433,20 @@ def test_times_of_passes(renderer, glass_sphere):
     passes = {"back_faces", "inner_layers", "front_faces", "refraction", "background", "data", "readback"}
     assert set(frame.pass_seconds) == passes and min(frame.pass_seconds.values()) > 0.0
     assert frame.pass_seconds["readback"] < frame.seconds
+
+
+def test_scenes_are_compared_by_what_they_hold():
+    """The viewport would begin anew when something is selected, or keep its picture when a slider moves."""
+    def scene(roughness: float, mesh: verglas.Mesh) -> verglas.Scene:
+        material = verglas.Material("Glass")
+        material.roughness = roughness
+        result = verglas.Scene()
+        result.add_object("Object", mesh, np.eye(4), [result.add_material(material)])
+        return result
+
+    corners = np.eye(3, dtype=np.float32)
+    mesh, other = (verglas.Mesh("Triangle", corners, corners, [[0, 1, 2]]) for _ in range(2))
+    assert scene(0.3, mesh) == scene(0.3, mesh)
+    assert scene(0.3, mesh) != scene(0.4, mesh)
+    assert scene(0.3, mesh) != scene(0.3, other)
+    assert scene(0.3, mesh) is not None and scene(0.3, mesh) != None  # noqa: E711

@@ -157,3 +157,12 @@ def test_camera_view_and_border(window):
     picture = settled_picture(window)
     left, bottom, right, top = window.call("viewports.border", 0)
     assert_same(picture, whole[bottom:top, left:right])
+
+
+def test_selection(window):
+    """The picture would turn coarse at each click, and be made again."""
+    settle(window)
+    before = window.call("viewports.states")
+    window.call("edits.select", "Sphere")
+    settle(window)
+    assert window.call("viewports.states") == before
