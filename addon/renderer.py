@@ -6,6 +6,7 @@ with it from frame to frame."""
 import atexit
 import threading
 from collections.abc import Callable
+from typing import TypeVar
 
 from . import devices
 from . import verglas_core as core
@@ -14,6 +15,7 @@ Progress = Callable[[int, int], bool]
 """As the core's: takes samples done and all, and returns whether to go on."""
 
 Core = core.Renderer | core.TracedRenderer
+Made = TypeVar("Made")
 
 MAKERS: dict[str, Callable[[], Core]] = {'OPENGL': core.Renderer, 'CPU': core.TracedRenderer}
 """By device. Each raises core.Error where it can't be had."""
@@ -24,20 +26,18 @@ _previews: dict[str, Core] = {}
 _viewports: dict[str, core.ViewportRenderer] = {}
 
 
-def _made(kept: dict[str, Core], device: str) -> Core:
-    """device: 'OPENGL' or 'CPU'. Raises core.Error where it can't be had."""
+def _made(kept: dict[str, Made], device: str, make: Callable[[], Made] | None = None) -> Made:
+    """What is kept for a device, 'OPENGL' or 'CPU'. make: the device's own maker where it is left out. Raises
+    core.Error where the device can't be had."""
     with _making:
         if device not in kept:
-            kept[device] = MAKERS[device]()
+            kept[device] = (make or MAKERS[device])()
         return kept[device]
 
 
 def of_viewports(device: str) -> core.ViewportRenderer:
     """device: 'OPENGL' or 'CPU'. Raises core.Error where it can't be had."""
-    with _making:
-        if device not in _viewports:
-            _viewports[device] = core.ViewportRenderer(MAKERS[device]())
-        return _viewports[device]
+    return _made(_viewports, device, lambda: core.ViewportRenderer(MAKERS[device]()))
 
 
 def render(device: str, scene: core.Scene, settings: core.Settings,

@@ -59,7 +59,7 @@ class View:
         """Whether all that it asked for is drawn."""
         if self._core is None:
             return bool(self.fault)
-        return self._core.is_done and not self._core.has_news
+        return self._core.is_done and not self.has_news
 
     def tag_redraw(self) -> None:
         engine = self._engine()

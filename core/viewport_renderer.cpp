@@ -159,13 +159,10 @@ void ViewportRenderer::Worker::work(Job& job, bool is_new, std::unique_lock<std:
     }
     lock.lock();
     if (!fault.empty()) job.samples = 0;
-    if (job.wanted) {
-        if (shown) job.news = std::move(shown);
-        return;
-    }
+    if (shown) job.news = std::move(shown);
+    if (job.wanted) return;
     job.fault = fault;
     job.is_done = !fault.empty() || job.samples >= job.made.settings.samples;
-    if (shown) job.news = std::move(shown);
 }
 
 std::optional<Shown> ViewportRenderer::Worker::make_first(Job& job) {
