@@ -140,13 +140,15 @@ class Window:
     def _mouse(self, event: str, value: str, place: tuple[int, int]) -> None:
         self.call("viewports.send", event, value, *place)
 
-    def wait_until(self, condition: Callable[[], object], what: str, patience: float = PATIENCE) -> None:
-        """Polls while Blender goes on. Raises TimeoutError, which says what was waited for."""
+    def wait_until(self, condition: Callable[[], object], what: str, patience: float = PATIENCE,
+                   pause: float = 0.01) -> None:
+        """Asks every `pause` seconds while Blender goes on. Raises TimeoutError, which says what was waited
+        for."""
         end = time.monotonic() + patience
         while not condition():
             if time.monotonic() > end:
                 raise TimeoutError(f"{what} hasn't come after {patience:g} s")
-            time.sleep(0.01)
+            time.sleep(pause)
 
     def settle(self, patience: float = 20.0) -> None:
         """Waits until all viewports have drawn their last picture. Raises TimeoutError."""
