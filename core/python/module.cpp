@@ -72,6 +72,8 @@ glm::vec3 vector_of(const Rgb& rgb) { return {rgb[0], rgb[1], rgb[2]}; }
 Rgb rgb_of(const glm::vec3& v) { return {v.r, v.g, v.b}; }
 
 // Names of an enumeration's values, in their order.
+constexpr std::array<const char*, 3> material_kind_names = {"SOLID", "PANE", "COATED"};
+constexpr std::array<const char*, 3> light_kind_names = {"SPHERE", "DISK", "SUN"};
 constexpr std::array<const char*, 3> ndf_names = {"BECKMANN", "GGX", "BLINN_PHONG"};
 constexpr std::array<const char*, 3> lobe_event_names = {"REFRACT", "REFRACT_WITHOUT_FRESNEL", "REFLECT"};
 constexpr std::array<const char*, 3> extension_names = {"REPEAT", "EXTEND", "CLIP"};
@@ -194,6 +196,20 @@ void add_object(Scene& scene, const std::string& name, std::shared_ptr<Mesh> mes
     scene.objects.push_back(std::move(object));
 }
 
+void add_light(Scene& scene, const std::string& name, const std::string& kind,
+               const std::array<float, 3>& place, const std::array<float, 3>& intensity, float radius,
+               const std::array<float, 3>& axis) {
+    const auto vector = [](const std::array<float, 3>& values) { return glm::make_vec3(values.data()); };
+    const Light light{name,          enum_of<LightKind>(light_kind_names, kind),
+                      vector(place), radius,
+                      vector(axis),  vector(intensity)};
+    const auto is_finite = [](const glm::vec3& v) { return !glm::any(glm::isnan(v) || glm::isinf(v)); };
+    if (!is_finite(light.place) || !is_finite(light.axis) || !is_finite(light.intensity) ||
+        !std::isfinite(radius) || radius < 0.0F)
+        throw Error("Light '" + name + "' has values that aren't finite numbers, or a radius below 0.");
+    scene.lights.push_back(light);
+}
+
 // A view of part of the pixels, which keeps the frame alive: `count` channels from `first`, none for a plane.
 py::array_t<float> channels(const py::object& self, const Unfilled<glm::vec4>& pixels, glm::ivec2 size,
                             int first, int count) {
@@ -263,6 +279,16 @@ void bind_scene(py::module_& module) {
     bump_map.def_readwrite("strength", &BumpMap::strength).def_readwrite("distance", &BumpMap::distance);
     def_texture(bump_map, "height", &BumpMap::height);
 
+    py::class_<Layer> layer(module, "Layer");
+    layer.def_readwrite("roughness", &Layer::roughness)
+        .def_readwrite("inner_reflections", &Layer::inner_reflections)
+        .def_readwrite("thickness", &Layer::thickness)
+        .def_readwrite("bounces", &Layer::bounces)
+        .def_readwrite("diffuse", &Layer::diffuse);
+    def_texture(layer, "roughness_texture", &Layer::roughness_texture);
+    def_rgb(layer, "base_color", &Layer::base_color);
+    def_rgb(layer, "edge_tint", &Layer::edge_tint);
+
     py::class_<Material> material(module, "Material");
     material.def(py::init([](const std::string& name) {
                      Material result;
@@ -275,9 +301,11 @@ void bind_scene(py::module_& module) {
         .def_readwrite("ior", &Material::ior)
         .def_readwrite("priority", &Material::priority)
         .def_readwrite("fresnel", &Material::fresnel)
+        .def_property_readonly("layer", [](Material& self) { return &self.layer; })
         .def_property_readonly("normal_map", [](Material& self) { return &self.relief.normals; })
         .def_property_readonly("bump_map", [](Material& self) { return &self.relief.bump; });
     def_texture(material, "roughness_texture", &Material::roughness_texture);
+    def_enum(material, "kind", &Material::kind, material_kind_names);
     def_enum(material, "ndf", &Material::ndf, ndf_names);
     def_rgb(material, "color", &Material::color);
     def_rgb(material, "reflection_color", &Material::reflection_color);
@@ -329,6 +357,9 @@ void bind_scene(py::module_& module) {
                  self.materials.push_back(added);
                  return static_cast<int>(self.materials.size()) - 1;
              })
+        .def("add_light", &add_light, py::arg("name"), py::arg("kind"), py::arg("place"),
+             py::arg("intensity"), py::arg("radius") = 0.0F,
+             py::arg("axis") = std::array<float, 3>{0.0F, 0.0F, -1.0F})
         .def("add_object", &add_object, py::arg("name"), py::arg("mesh"), py::arg("matrix"),
              py::arg("materials"))
         .def_property_readonly("materials", [](const Scene& self) { return self.materials; })

@@ -56,9 +56,6 @@ class Mesh:
     @property
     def name(self) -> str: ...
     @property
-    def materials(self) -> list[Material]:
-        """Copies of them, by index."""
-    @property
     def triangle_count(self) -> int: ...
     @property
     def has_tangents(self) -> bool: ...
@@ -116,10 +113,37 @@ class BumpMap:
     distance: float
     """That a height of 1 stands for, in world units; below 0 heights go inward. Default 1."""
 
+class Layer:
+    """The inner side of a thin layer: the far side of a pane, the base under a coating."""
+
+    roughness: float
+    """0 … 1, alpha = roughness^2. Default 0.25."""
+    roughness_texture: Texture | None
+    """Roughnesses in place of `roughness`, by the mesh's uvs; clamped to 0 … 1. Default None."""
+    inner_reflections: bool
+    """Of a pane: whether light that its sides reflect between them counts. Default True."""
+    thickness: float
+    """Of a coating, in world units along the normal: how far the material's absorption acts. Default 0.01."""
+    bounces: int
+    """Of a coating: how often light that leaves it has met the base, at most; 1 … 8. Default 2."""
+    diffuse: bool
+    """Of a coating: whether its base is diffuse; else it is a rough conductor. Default False."""
+    base_color: Sequence[float]
+    """Of a coating: the base's RGB reflectance at straight incidence, seen from within, or its albedo. Default
+    0.8."""
+    edge_tint: Sequence[float]
+    """Of a coating on a conductor: factor on Schlick's reflectance at 82 degrees (F82), RGB. Default 1."""
+
 class Material:
     """A rough dielectric (Walter et al. 2007). All attributes can be read and set."""
 
     name: str
+    kind: str
+    """'SOLID' (default): glass that fills its object. 'PANE': a thin sheet of glass, both of whose sides, one of
+    `roughness` and one of `layer`, lie at the surface. 'COATED': a clear layer of `roughness` on an opaque base."""
+    @property
+    def layer(self) -> Layer:
+        """Of panes and coatings; to be changed in place."""
     ndf: str
     """'BECKMANN' (default), 'GGX' or 'BLINN_PHONG'; the last with exponent 2 / roughness^4 - 2."""
     roughness: float
@@ -146,7 +170,8 @@ class Material:
     fresnel: bool
     """True (Glass): (1 - F) is refracted, F reflected. False (Refraction): all is refracted, nothing reflected."""
     absorption: Sequence[float]
-    """sigma_a, RGB, per world unit: Beer-Lambert factor exp(-sigma_a distance) inside. Default 0."""
+    """sigma_a, RGB, per world unit: Beer-Lambert factor exp(-sigma_a distance) inside. Default 0. Of solids and
+    coatings."""
     def __init__(self, name: str = "") -> None: ...
 
 class EnvironmentMap:
@@ -195,6 +220,20 @@ class Scene:
     def add_object(self, name: str, mesh: Mesh, matrix: ArrayLike, materials: Sequence[int]) -> None:
         """matrix: (4, 4) object -> world, mirrored ones too. materials: material index of every slot;
         slots past the end take the last. Raises Error when empty, out of range or not finite."""
+    def add_light(
+        self,
+        name: str,
+        kind: str,
+        place: Sequence[float],
+        intensity: Sequence[float],
+        radius: float = 0.0,
+        axis: Sequence[float] = (0.0, 0.0, -1.0),
+    ) -> None:
+        """Shines beside the environment; isn't seen itself. kind: 'SPHERE', 'DISK' (as a sphere, but its light goes
+        by the cosine to its axis, and none backward) or 'SUN'. place: of its centre, of a sun the unit direction
+        toward it; world space. intensity: RGB, radiant, W/sr, of a disk along its axis; of a sun its irradiance.
+        radius: in world units, 0 for a point; of a sun the half of its angle in radians. axis: unit, of a disk.
+        Raises Error where one isn't finite, or the radius below 0."""
     @property
     def materials(self) -> list[Material]:
         """Copies of them, by index."""

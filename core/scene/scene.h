@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is rendered, as plain data without OpenGL. Scenes are equal that share meshes, textures and maps and are
-// alike in all else.
+// What is rendered, as plain data without OpenGL. Scenes are equal that share meshes, textures and maps and
+// are alike in all else.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -16,9 +16,31 @@
 
 namespace verglas {
 
-// A rough dielectric (Walter et al. 2007).
+enum class MaterialKind {
+    Solid,   // glass that fills its object
+    Pane,    // a thin sheet of glass, both of whose sides lie at the surface
+    Coated,  // a clear layer on an opaque base
+};
+
+// The inner side of a thin layer: the far side of a pane, the base under a coating. Each of its members
+// counts for the kinds that it names, or for both.
+struct Layer {
+    float roughness = 0.25F;                           // 0 … 1, alpha = roughness^2
+    std::shared_ptr<const Texture> roughness_texture;  // in place of roughness, by Mesh::uvs; may be null
+    bool inner_reflections = true;  // Pane: light that its sides reflect between them counts
+    float thickness = 0.01F;        // Coated: in world units, along the normal
+    int bounces = 2;                // Coated: how often light that leaves has met the base, at most; 1 … 8
+    bool diffuse = false;           // Coated: the base; else a rough conductor
+    glm::vec3 base_color{0.8F};     // Coated: reflectance of the base at straight incidence, or its albedo
+    glm::vec3 edge_tint{1.0F};      // Coated: of a conductor's reflectance at 82 degrees (F82), on Schlick's
+
+    bool operator==(const Layer&) const = default;
+};
+
+// A rough dielectric (Walter et al. 2007), alone or, in a thin layer, beside a second side.
 struct Material {
     std::string name;
+    MaterialKind kind = MaterialKind::Solid;
     Ndf ndf = Ndf::Beckmann;
     float roughness = 0.5F;                            // 0 … 1, alpha = roughness^2
     std::shared_ptr<const Texture> roughness_texture;  // in place of roughness; may be null
@@ -28,7 +50,8 @@ struct Material {
     glm::vec3 color{1.0F};             // factor of every refraction, linear
     glm::vec3 reflection_color{1.0F};  // factor of the front reflection, linear
     bool fresnel = true;               // false: all is refracted, as by Blender's Refraction BSDF
-    glm::vec3 absorption{0.0F};        // sigma_a per world unit
+    glm::vec3 absorption{0.0F};        // sigma_a per world unit, of solids and coatings
+    Layer layer;                       // of panes and coatings
 
     bool operator==(const Material&) const = default;
 };
@@ -42,6 +65,24 @@ struct Object {
     bool operator==(const Object&) const = default;
 };
 
+enum class LightKind {
+    Sphere,  // its light goes evenly to all sides
+    Disk,    // as a sphere, but by the cosine to its axis: part of an area light
+    Sun,     // from infinitely far away
+};
+
+// What shines beside the environment. Not seen itself.
+struct Light {
+    std::string name;
+    LightKind kind = LightKind::Sphere;
+    glm::vec3 place{0.0F};              // of the centre; of a sun the unit direction toward it; world space
+    float radius = 0.0F;                // world units, 0 for a point; of a sun the half of its angle, radians
+    glm::vec3 axis{0.0F, 0.0F, -1.0F};  // unit: where a disk shines to
+    glm::vec3 intensity{1.0F};  // radiant, W/sr, of a disk along its axis; of a sun its irradiance, W/m^2
+
+    bool operator==(const Light&) const = default;
+};
+
 struct Camera {
     glm::mat4 view{1.0F};        // world -> camera, which looks along -Z
     glm::mat4 projection{1.0F};  // OpenGL's, perspective or orthographic
@@ -52,6 +93,7 @@ struct Camera {
 struct Scene {
     std::vector<Material> materials;
     std::vector<Object> objects;
+    std::vector<Light> lights;
     Camera camera;
     std::shared_ptr<const EnvironmentMap> environment_map;  // may be null
     glm::vec3 environment_color{0.0F};                      // radiance without a map, or the factor on it
