@@ -137,6 +137,7 @@ class Renderer::Device {
 
     GeometryPass geometry_;
     RefractionPass refraction_;
+    ThinLayerPass thin_layers_;
     BackgroundPass background_;
     DataPass data_;
     std::unique_ptr<PyramidPass> pyramid_;
@@ -175,7 +176,8 @@ void Renderer::Device::prepare(const Scene& scene, const Settings& settings, Can
     if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();
     canvas.groups = group_objects(scene, meshes_, settings.size, region_of(settings));
     if (canvas.samples > 0) return;
-    const RoughnessData of_front = textures_.empty() ? RoughnessData::None : RoughnessData::Values;
+    const bool varies = !textures_.empty() || materials_.has_thin_layers();
+    const RoughnessData of_front = varies ? RoughnessData::Values : RoughnessData::None;
     const RoughnessData of_back = RefractionPass::back_data(settings, textures_.most_classes());
     const bool with_layers = RefractionPass::needs_layers(settings);
     if (!canvas.targets || !canvas.targets->fit(settings.size, of_front, of_back, with_layers)) {
@@ -255,6 +257,12 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
                                     with_layers ? &*targets.inner : nullptr,
                                     with_pyramid ? pyramid_.get() : nullptr};
             refraction_.draw(inputs, targets.shaded_framebuffer, back, materials_, group, number);
+            pass.check();
+        }
+        if (materials_.has_thin_layers()) {
+            const gl::PassScope pass("thin layers");
+            const gl::Timers::Scope timer(timers_, "thin_layers");
+            thin_layers_.draw(inputs, targets.shaded_framebuffer, materials_, group, number);
             pass.check();
         }
     }

@@ -15,14 +15,22 @@ in vec2 uv;
 
 uniform int group;
 uniform int material;
-uniform float roughness_value;  // where there is no texture
+uniform bool two_sided;
+// Of the outer side and, with values, of the inner one of thin layers, each where there is no texture.
+uniform float roughness_value;
 uniform bool textured;
 uniform sampler2D roughness_texture;
+#ifdef ROUGHNESS_VALUES
+uniform float inner_roughness_value;
+uniform bool inner_textured;
+uniform sampler2D inner_roughness_texture;
+uniform bool is_pane;  // seen from behind, its sides change places
+#endif
 uniform float class_roughness[MAX_ROUGHNESS_CLASSES];  // ascending; the last one repeats itself
 
 layout(location = 0) out vec4 texel;
 #ifdef ROUGHNESS_VALUES
-layout(location = 1) out float roughness;
+layout(location = 1) out vec2 roughness;  // of the side that is seen, and of the other
 #endif
 #ifdef CLASS_LAYERS
 layout(location = 1) out vec4 shares[CLASS_LAYERS];
@@ -32,6 +40,12 @@ layout(location = 1) out vec4 shares[CLASS_LAYERS];
 float surface_roughness() {
     return textured ? clamp(texture(roughness_texture, uv).r, 0.0, 1.0) : roughness_value;
 }
+
+#ifdef ROUGHNESS_VALUES
+float inner_roughness() {
+    return inner_textured ? clamp(texture(inner_roughness_texture, uv).r, 0.0, 1.0) : inner_roughness_value;
+}
+#endif
 
 #ifdef CLASS_LAYERS
 // The shares of four classes in a roughness.
@@ -47,18 +61,21 @@ vec4 class_shares(float value, int first) {
 }
 #endif
 
+// To the side that is seen: thin layers are drawn from behind, too.
 vec3 surface_normal() {
 #ifdef RELIEF
-    return bent_normal(normalize(view_normal), view_position);
+    vec3 outward = bent_normal(normalize(view_normal), view_position);
 #else
-    return view_normal;
+    vec3 outward = view_normal;
 #endif
+    return two_sided && !gl_FrontFacing ? -outward : outward;
 }
 
 void main() {
     texel = vec4(encode_normal(surface_normal()), -view_position.z, encode_index(group, material));
 #ifdef ROUGHNESS_VALUES
-    roughness = surface_roughness();
+    roughness = vec2(surface_roughness(), inner_roughness());
+    if (is_pane && !gl_FrontFacing) roughness = roughness.yx;
 #endif
 #ifdef CLASS_LAYERS
     float value = min(surface_roughness(), class_roughness[MAX_ROUGHNESS_CLASSES - 1]);

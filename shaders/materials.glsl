@@ -6,7 +6,7 @@
 struct Material {
     vec4 color_roughness;  // of a texture, its mean
     vec4 reflection_ior;
-    vec4 absorption;  // w: above 0 where lobes have tails (lib/bundle.glsl)
+    vec4 absorption;  // w: above 0 where lobes have tails (lib/bundle.glsl), below 0 for thin layers
     uint class_roughness[MAX_ROUGHNESS_CLASSES / 2];  // two in each; ascending; the last one repeats itself
     ivec4 tables;  // entering, leaving, reflection outside and inside (-1: none)
 };
@@ -18,3 +18,15 @@ vec4 roughness_of_classes(Material material, int layer) {
 }
 
 layout(std430, binding = 0) readonly buffer Materials { Material materials[]; };
+
+#ifdef THIN_LAYERS
+// Layer of core/scene/scene.h, by material.
+struct Layer {
+    vec4 base_color;     // w: 1 for a diffuse base
+    vec4 edge_tint;      // w: 1 where the material's lobes have tails
+    vec4 optical_depth;  // of a coating, straight through
+    ivec4 kind;          // KIND_*, bounces, whether a pane has inner reflections
+};
+
+layout(std430, binding = 1) readonly buffer Layers { Layer layers[]; };
+#endif

@@ -99,7 +99,7 @@ vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorpt
 // Of the front face at a pixel.
 float roughness_at(ivec2 pixel, Material material) {
 #ifdef FRONT_ROUGHNESS
-    return texelFetch(front_roughness, pixel, 0).r;
+    return texelFetch(front_roughness, pixel, 0).x;
 #else
     return material.color_roughness.w;
 #endif
@@ -350,13 +350,11 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
 }
 #endif
 
-// Interpolated normals may face away at silhouettes; such a normal is bent until it is seen edge-on.
-vec3 toward_viewer(vec3 n, vec3 d) { return normalize(n - max(dot(n, d) + 1e-3, 0.0) * d); }
-
 void main() {
     vec4 face = texelFetch(front_faces, ivec2(gl_FragCoord.xy), 0);
     if (face.w < 0.0 || decode_group(face.w) != group) discard;
     Material material = materials[decode_material(face.w)];
+    if (material.absorption.w < 0.0) discard;  // thin_layers.frag.glsl shades it
     vec3 origin = position_at(gl_FragCoord.xy, face.z);
     vec3 d = view_direction(origin);
     vec3 n = toward_viewer(decode_normal(face.xy), d);

@@ -44,6 +44,9 @@ bool can_cover(vec3 position, vec2 pixel) {
     return ahead && all(greaterThanEqual(pixel, object_rect.xy)) && all(lessThan(pixel, object_rect.zw));
 }
 
+// Interpolated normals may face away at silhouettes; such a normal is bent until it is seen edge-on.
+vec3 toward_viewer(vec3 n, vec3 d) { return normalize(n - max(dot(n, d) + 1e-3, 0.0) * d); }
+
 const vec4 NO_FACE = vec4(-1.0);
 
 // Farthest back face under a point; w is negative where the object has none.

@@ -13,17 +13,6 @@ namespace verglas::model {
 // The part of shaders/lib that reads lobe tables, for C++. Any number of threads may look up at the same
 // time.
 class LobeModel {
-  public:
-    explicit LobeModel(std::vector<LobeSlice> tables) : tables_(std::move(tables)) {}
-
-    Lobe reflected_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n) const {
-        return Lookup{tables_}.reflected_lobe(table, eta, roughness, d, n);
-    }
-    Lobe refracted_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n, int tir) const {
-        return Lookup{tables_}.refracted_lobe(table, eta, roughness, d, n, tir);
-    }
-
-  private:
     // Its functions aren't const, for which GLSL has no word.
     struct Lookup {
         const std::vector<LobeSlice>& tables;
@@ -41,8 +30,26 @@ class LobeModel {
         }
 
 #include "shaders/lib/lobe_lookup.glsl"
+#include "shaders/lib/pane.glsl"
     };
 
+  public:
+    explicit LobeModel(std::vector<LobeSlice> tables) : tables_(std::move(tables)) {}
+
+    Lobe reflected_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n) const {
+        return Lookup{tables_}.reflected_lobe(table, eta, roughness, d, n);
+    }
+    Lobe refracted_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n, int tir) const {
+        return Lookup{tables_}.refracted_lobe(table, eta, roughness, d, n, tir);
+    }
+
+    using Pane = Lookup::Pane;
+    using PaneLobes = Lookup::PaneLobes;
+    PaneLobes pane_lobes(const Pane& pane, const vec3& d, const vec3& n) const {
+        return Lookup{tables_}.pane_lobes(pane, d, n);
+    }
+
+  private:
     std::vector<LobeSlice> tables_;
 };
 

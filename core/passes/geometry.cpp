@@ -16,7 +16,7 @@ void scissor(const Rect& rect) {
 
 gl::Texture make_roughness(glm::ivec2 size, RoughnessData data) {
     if (data != RoughnessData::Values) return {};
-    return {GL_R16, size.x, size.y, GL_NEAREST};
+    return {GL_RG16, size.x, size.y, GL_NEAREST};
 }
 
 gl::Framebuffer make_framebuffer(const gl::Texture& texels, const gl::Texture& roughness, RoughnessData data,
@@ -37,7 +37,7 @@ gl::Framebuffer make_framebuffer(const gl::Texture& texels, const gl::Texture& r
 }
 
 // Texture units.
-enum Unit { roughness_unit, normals_unit, heights_unit };
+enum Unit { roughness_unit, normals_unit, heights_unit, inner_roughness_unit };
 
 // NEAREST_BACKS of shaders/geometry_buffer.glsl.
 constexpr int nearest_backs = 4095;
@@ -103,6 +103,15 @@ void GeometryPass::set_roughness(const gl::Program& program, const Material& mat
                         static_cast<GLsizei>(classes.size()), classes.data());
 }
 
+void GeometryPass::set_inner_roughness(const gl::Program& program, const Material& material,
+                                       const TextureCache& textures) {
+    const auto& texture = material.layer.roughness_texture;
+    program.set("inner_textured", texture ? 1 : 0);
+    if (texture) glBindTextureUnit(inner_roughness_unit, textures[texture].texture.id());
+    program.set("inner_roughness_value", std::clamp(material.layer.roughness, 0.0F, 1.0F));
+    program.set("is_pane", material.kind == MaterialKind::Pane ? 1 : 0);
+}
+
 // normal_axes depends on the object, too.
 void GeometryPass::set_relief(const gl::Program& program, const Relief& relief, const Mesh& mesh,
                               const ReliefCache& reliefs) {
@@ -135,6 +144,7 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
     const gl::Program& program = this->program(buffer.roughness_data(), with_relief);
     program.use();
     program.set("roughness_texture", int{roughness_unit});
+    program.set("inner_roughness_texture", int{inner_roughness_unit});
     program.set("normal_map", int{normals_unit});
     program.set("heights", int{heights_unit});
     program.set("projection", view.projection);
@@ -154,11 +164,18 @@ void GeometryPass::draw(const GeometryBuffer& buffer, Faces faces, const View& v
         const std::vector<int>& materials = item.object->materials;
         for (const MeshPart& part : item.object->mesh->parts()) {
             const int slot = std::min(part.slot, static_cast<int>(materials.size()) - 1);
+            const Material& material = surfaces.materials[materials[slot]];
+            const bool is_thin = material.kind != MaterialKind::Solid;
+            if (is_thin && faces != Faces::NearestFront) continue;
+            is_thin ? glDisable(GL_CULL_FACE) : glEnable(GL_CULL_FACE);
+            program.set("two_sided", is_thin ? 1 : 0);
             program.set("material", materials[slot]);
             if (buffer.roughness_data() != RoughnessData::None)
-                set_roughness(program, surfaces.materials[materials[slot]], surfaces.textures);
+                set_roughness(program, material, surfaces.textures);
+            if (buffer.roughness_data() == RoughnessData::Values)
+                set_inner_roughness(program, material, surfaces.textures);
             if (with_relief) {
-                const Relief& relief = surfaces.materials[materials[slot]].relief;
+                const Relief& relief = material.relief;
                 set_relief(program, relief, *item.object->mesh, surfaces.reliefs);
                 const bool is_world = relief.normals.space == NormalSpace::World;
                 program.set("normal_axes", is_world ? glm::mat3(view.view) : normal_to_view);

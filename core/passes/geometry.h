@@ -11,8 +11,8 @@
 
 namespace verglas {
 
-// What a geometry buffer holds of roughness: nothing, each pixel's, or the shares in it of four or eight
-// classes.
+// What a geometry buffer holds of roughness: nothing, each pixel's (of both sides of a thin layer), or the
+// shares in it of four or eight classes.
 enum class RoughnessData { None, Values, Classes4, Classes8 };
 
 // Layers of an array that hold four classes each.
@@ -33,7 +33,7 @@ class GeometryBuffer {
                             const gl::Texture& class_pyramid = {}, int number = 0);
     const gl::Texture& texels() const { return texels_; }
     RoughnessData roughness_data() const { return roughness_data_; }
-    // Each pixel's, 0 … 1.
+    // Each pixel's, 0 … 1: of the side that is seen, and of a thin layer's other one.
     const gl::Texture& roughness() const { return roughness_; }
     const gl::Framebuffer& framebuffer() const { return framebuffer_; }
 
@@ -55,7 +55,7 @@ struct Surfaces {
 };
 
 // Rasterises objects into geometry buffers (de Rousiers et al. 2012, first pass, has nearest front and
-// farthest back faces).
+// farthest back faces). Thin layers count as front faces alone, from both sides.
 class GeometryPass {
   public:
     // Empties a part of a buffer.
@@ -68,6 +68,8 @@ class GeometryPass {
     const gl::Program& program(RoughnessData data, bool relief);
     static void set_roughness(const gl::Program& program, const Material& material,
                               const TextureCache& textures);
+    static void set_inner_roughness(const gl::Program& program, const Material& material,
+                                    const TextureCache& textures);
 
     static void set_relief(const gl::Program& program, const Relief& relief, const Mesh& mesh,
                            const ReliefCache& reliefs);

@@ -110,6 +110,28 @@ struct MaterialData {
     glm::ivec4 tables;
 };
 
+// As `struct Layer` there.
+struct LayerData {
+    glm::vec4 base_color;
+    glm::vec4 edge_tint;
+    glm::vec4 optical_depth;
+    glm::ivec4 kind;
+};
+
+LayerData layer_data(const Material& material) {
+    const Layer& layer = material.layer;
+    return {{layer.base_color, layer.diffuse ? 1.0F : 0.0F},
+            {layer.edge_tint, material.ndf == Ndf::Ggx ? 1.0F : 0.0F},
+            {material.absorption * layer.thickness, 0.0F},
+            {static_cast<int>(material.kind), layer.bounces, layer.inner_reflections ? 1 : 0, 0}};
+}
+
+// MaterialData::absorption.w.
+float lobe_kind(const Material& material) {
+    if (material.kind != MaterialKind::Solid) return -1.0F;
+    return material.ndf == Ndf::Ggx ? 1.0F : 0.0F;
+}
+
 // Two in each.
 std::array<std::uint32_t, model::MAX_ROUGHNESS_CLASSES / 2> packed(const RoughnessClasses& classes) {
     std::array<std::uint32_t, model::MAX_ROUGHNESS_CLASSES / 2> result{};
@@ -139,9 +161,8 @@ bool TextureCache::update(const std::vector<Material>& materials, int most_class
     const gl::PassScope scope("upload of textures");
     bool changed = false;
     std::unordered_map<std::shared_ptr<const Texture>, GpuTexture> kept;
-    for (const Material& material : materials) {
-        const auto& texture = material.roughness_texture;
-        if (!texture || kept.count(texture) > 0) continue;
+    const auto keep = [&](const std::shared_ptr<const Texture>& texture) {
+        if (!texture || kept.count(texture) > 0) return;
         const auto known = textures_.find(texture);
         kept.emplace(
             texture,
@@ -150,6 +171,10 @@ bool TextureCache::update(const std::vector<Material>& materials, int most_class
                 : GpuTexture{
                       upload(*texture, texture->is_atlas() ? 1 : 0), RoughnessHistogram(*texture), 0, {}});
         changed = changed || known == textures_.end();
+    };
+    for (const Material& material : materials) {
+        keep(material.roughness_texture);
+        if (material.kind != MaterialKind::Solid) keep(material.layer.roughness_texture);
     }
     textures_ = std::move(kept);
     for (auto& [texture, uploaded] : textures_) {
@@ -205,18 +230,24 @@ bool MaterialCache::update(const std::vector<Material>& materials, const Texture
     const gl::PassScope scope("upload of materials");
     const bool changed = tables_.update(materials);
     std::vector<MaterialData> data;
+    std::vector<LayerData> layers;
     for (int i = 0; i < static_cast<int>(materials.size()); ++i) {
         const Material& material = materials[i];
         const InterfaceTables& entering = tables_.tables(i, material.ior);
         data.push_back({{material.color, mean_roughness(material, textures)},
                         {material.reflection_color, entering.eta},
-                        {material.absorption, material.ndf == Ndf::Ggx ? 1.0F : 0.0F},
+                        {material.absorption, lobe_kind(material)},
                         packed(roughness_classes(material, textures)),
                         {entering.refraction, tables_.tables(i, 1.0F / material.ior).refraction,
                          entering.reflection, tables_.tables(i, 1.0F / material.ior).reflection}});
+        layers.push_back(layer_data(material));
     }
     if (data.empty()) return false;
     buffer_ = gl::make_buffer(data.size() * sizeof(MaterialData), data.data());
+    has_thin_layers_ = std::any_of(materials.begin(), materials.end(), [](const Material& material) {
+        return material.kind != MaterialKind::Solid;
+    });
+    if (has_thin_layers_) layers_ = gl::make_buffer(layers.size() * sizeof(LayerData), layers.data());
     if (changed) upload_tables();
     scope.check();
     return changed;

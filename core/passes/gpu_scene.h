@@ -97,6 +97,9 @@ class MaterialCache {
     // Whether the tables have changed.
     bool update(const std::vector<Material>& materials, const TextureCache& textures);
     const gl::Buffer& buffer() const { return buffer_; }
+    bool has_thin_layers() const { return has_thin_layers_; }
+    // Where it has some: of all materials, those parts.
+    const gl::Buffer& layers() const { return layers_; }
     const gl::Texture& lobe_tables() const { return lobe_tables_; }
 
   private:
@@ -104,6 +107,8 @@ class MaterialCache {
 
     TableSet tables_;
     gl::Buffer buffer_;
+    bool has_thin_layers_ = false;
+    gl::Buffer layers_;
     gl::Texture lobe_tables_;
 };
 

@@ -147,6 +147,24 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     }
 }
 
+void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
+                         const MaterialCache& materials, const ViewGroup& group, int number) {
+    if (!program_) program_.emplace("full_screen.vert.glsl", "thin_layers.frag.glsl");
+    program_->use();
+    set_environment(*program_, inputs);
+    set_screen_space(*program_, inputs);
+    set_texture(*program_, "lobe_tables", tables_unit, materials.lobe_tables());
+    set_texture(*program_, "front_roughness", front_roughness_unit, inputs.front.roughness());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, materials.layers().id());
+    program_->set("group", number);
+    program_->set("reflection", inputs.settings.reflection ? 1 : 0);
+    for (const ViewObject& item : group.objects) {
+        begin(target, inputs.view, item.rect);
+        gl::draw_full_screen(empty_);
+    }
+}
+
 BackgroundPass::BackgroundPass()
     : program_("full_screen.vert.glsl", "background.frag.glsl"), empty_(gl::make_vertex_array()) {}
 

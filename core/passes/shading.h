@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "core/gl/objects.h"
@@ -65,6 +66,18 @@ class RefractionPass {
     const gl::Program& program(const Settings& settings, RoughnessData front, int classes);
 
     std::map<std::tuple<Transport, Intersection, bool, RoughnessData, int>, gl::Program> programs_;
+    gl::VertexArray empty_;
+};
+
+// Shades the front faces of a group that are thin layers: panes and coated surfaces.
+class ThinLayerPass {
+  public:
+    ThinLayerPass() : empty_(gl::make_vertex_array()) {}
+    void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const MaterialCache& materials,
+              const ViewGroup& group, int number);
+
+  private:
+    std::optional<gl::Program> program_;  // from when it is needed first
     gl::VertexArray empty_;
 };
 

@@ -16,10 +16,10 @@
 
 namespace verglas {
 
-enum class MaterialKind {
-    Solid,   // glass that fills its object
-    Pane,    // a thin sheet of glass, both of whose sides lie at the surface
-    Coated,  // a clear layer on an opaque base
+enum class MaterialKind : int {
+    Solid = model::KIND_SOLID,    // glass that fills its object
+    Pane = model::KIND_PANE,      // a thin sheet of glass, both of whose sides lie at the surface
+    Coated = model::KIND_COATED,  // a clear layer on an opaque base
 };
 
 // The inner side of a thin layer: the far side of a pane, the base under a coating. Each of its members

@@ -14,6 +14,7 @@
 #include "core/tracing/crossing.h"
 #include "core/tracing/divergence.h"
 #include "core/tracing/first_rays.h"
+#include "core/tracing/layer_lobes.h"
 #include "core/tracing/media.h"
 
 namespace verglas {
@@ -102,21 +103,28 @@ struct BundleTracer::Meeting {
     bool is_front_refraction(const Branch& branch) const;
 };
 
+// How light goes on at a surface.
+enum class BundleTracer::Way {
+    Reflected,
+    Refracted,
+    Through,  // a pane, straight on in the mean
+};
+
 // What an interface makes of a beam.
 struct BundleTracer::Branch {
-    bool reflected;
+    Way way;
     model::Lobe lobe;
     glm::vec3 color;
     glm::vec3 weight;  // the beam's, the lobe's and the colour
 };
 
 glm::vec3 BundleTracer::Meeting::side(const Branch& branch) const {
-    return branch.reflected == entering ? hit.geometric_normal : -hit.geometric_normal;
+    return (branch.way == Way::Reflected) == entering ? hit.geometric_normal : -hit.geometric_normal;
 }
 
 // Whether the bundle's rays stand for the branch.
 bool BundleTracer::Meeting::is_front_refraction(const Branch& branch) const {
-    return beam.interfaces == 0 && !branch.reflected;
+    return beam.interfaces == 0 && branch.way != Way::Reflected;
 }
 
 // Beams that have crossed the same number of interfaces, and their rays.
@@ -248,7 +256,9 @@ void BundleTracer::meet(const Beam& incoming, const glm::vec3& d, const Hit& hit
 
     Beam& beam = meeting.beam;
     beam.divergence.travel(hit.t);
-    beam.weight *= beam.media.transmittance(scene, hit, meeting.entering);
+    const bool is_thin = material.kind != MaterialKind::Solid;
+    beam.weight *= beam.media.transmittance(scene, hit, meeting.entering || is_thin);
+    if (is_thin) return meet_layer(meeting, next);
     const MediumStack::Interface interface = beam.media.interface(scene, hit, meeting.entering);
     if (!interface.bends()) {
         if (interface.is_real) beam.weight *= material.color;
@@ -262,7 +272,7 @@ void BundleTracer::meet(const Beam& incoming, const glm::vec3& d, const Hit& hit
     meeting.eta = interface.eta;
 
     const InterfaceTables& tables = scene_.tables(hit.material, interface.eta);
-    Branch refracted{.reflected = false,
+    Branch refracted{.way = Way::Refracted,
                      .lobe = scene_.lobes().refracted_lobe(tables.refraction, interface.eta,
                                                            meeting.roughness, d, meeting.n, model::TIR_NONE),
                      .color = material.color,
@@ -270,7 +280,7 @@ void BundleTracer::meet(const Beam& incoming, const glm::vec3& d, const Hit& hit
     refracted.weight = beam.weight * refracted.lobe.energy * refracted.color;
     const bool reflects = tables.reflection >= 0 && settings_.reflection && settings_.paths == PathMode::Full;
     if (!reflects) return branch_off(meeting, refracted, true, next);
-    Branch reflected{.reflected = true,
+    Branch reflected{.way = Way::Reflected,
                      .lobe = scene_.lobes().reflected_lobe(tables.reflection, interface.eta,
                                                            meeting.roughness, d, meeting.n),
                      .color = material.reflection_color,
@@ -279,6 +289,26 @@ void BundleTracer::meet(const Beam& incoming, const glm::vec3& d, const Hit& hit
     const bool refracts_more = greatest(refracted.weight) >= greatest(reflected.weight);
     branch_off(meeting, refracted, refracts_more, next);
     branch_off(meeting, reflected, !refracts_more, next);
+}
+
+void BundleTracer::meet_layer(const Meeting& meeting, Wave& next) const {
+    const LayerLobes lobes = LayerLobes::of(scene_, meeting.hit, meeting.d, meeting.n, meeting.entering);
+    const LayerLobe* greatest_lobe = nullptr;
+    float greatest_weight = 0.0F;
+    for (const LayerLobe& lobe : lobes.all()) {
+        const float weight = lobe.lobe.energy * greatest(lobe.color);
+        if (weight <= greatest_weight) continue;
+        greatest_weight = weight;
+        greatest_lobe = &lobe;
+    }
+    for (const LayerLobe& lobe : lobes.all()) {
+        if (lobe.reflected && !settings_.reflection) continue;
+        const Branch branch{.way = lobe.reflected ? Way::Reflected : Way::Through,
+                            .lobe = lobe.lobe,
+                            .color = lobe.color,
+                            .weight = meeting.beam.weight * lobe.lobe.energy * lobe.color};
+        branch_off(meeting, branch, &lobe == greatest_lobe, next);
+    }
 }
 
 void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool is_greater,
@@ -302,19 +332,19 @@ void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool
 // What has spread before an interface, after it. It turns as at straight incidence: near the critical angle,
 // where the law of refraction turns directions apart without bound, lobes don't follow it, and less error is
 // left on the scenes above than with its derivatives there.
-Divergence BundleTracer::turned(Divergence divergence, const Meeting& meeting, bool reflected) const {
-    if (divergence.is_none()) return divergence;
+Divergence BundleTracer::turned(Divergence divergence, const Meeting& meeting, Way way) const {
+    if (divergence.is_none() || way == Way::Through) return divergence;
     Curvature curvature = scene_.rays().curvature(meeting.hit);
     if (meeting.entering) curvature.mean = -curvature.mean;  // seen from outside
-    const float scale = reflected ? 1.0F : 1.0F / meeting.eta;
-    const float bend = reflected ? -2.0F : 1.0F - scale;
+    const float scale = way == Way::Reflected ? 1.0F : 1.0F / meeting.eta;
+    const float bend = way == Way::Reflected ? -2.0F : 1.0F - scale;
     divergence.turn(scale, bend, curvature);
     return divergence;
 }
 
 // Of a branch along its lobe's mean direction.
 Divergence BundleTracer::divergence(const Meeting& meeting, const Branch& branch) const {
-    Divergence result = turned(meeting.beam.divergence, meeting, branch.reflected);
+    Divergence result = turned(meeting.beam.divergence, meeting, branch.way);
     result.widen(Divergence::of_lobe(branch.lobe.spread));
     return result;
 }
@@ -343,7 +373,7 @@ void BundleTracer::split(const Meeting& meeting, const Branch& branch, Wave& nex
     const std::span<const BundleRay> rays =
         first_rays(meeting.beam.pixel, scene_.roughness_varies(meeting.hit.object));
     const float share = 1.0F / static_cast<float>(rays.size());
-    const float left = 2.0F * share * left_part(meeting.roughness);
+    const float left = 2.0F * share * (branch.way == Way::Through ? most_left : left_part(meeting.roughness));
     Divergence divergence = meeting.beam.divergence;
     divergence.widen(Divergence::of_lobe(left * branch.lobe.spread));
     model::Lobe lobe = branch.lobe;
@@ -376,12 +406,13 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
     const int dimension = outgoing.interfaces == 0
                               ? front_dimension
                               : first_inner_dimension + (outgoing.interfaces - 1) * inner_dimensions +
-                                    (branch.reflected ? reflection_dimension : 0);
+                                    (branch.way == Way::Reflected ? reflection_dimension : 0);
     const float alpha = facet_alpha(meeting.roughness);
     const RoughInterface surface(meeting.material.ndf, alpha, meeting.eta, meeting.material.fresnel,
                                  Reflected::All);
     const glm::mat3 frame = frame_of(meeting.n);
-    const auto event = branch.reflected ? RoughInterface::Event::Reflect : RoughInterface::Event::Refract;
+    const auto event =
+        branch.way == Way::Reflected ? RoughInterface::Event::Reflect : RoughInterface::Event::Refract;
     const auto facet = surface.sample(glm::transpose(frame) * -meeting.d, point.pair(dimension), event);
     if (!facet) return;
     glm::vec3 d = frame * facet->direction;
@@ -405,8 +436,7 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
     } else {
         const float drawn = drawn_part(sample_);
         outgoing.axis = drawn_direction(drawn);
-        outgoing.divergence =
-            turned(meeting.beam.divergence.part(meeting.beam.carried), meeting, branch.reflected);
+        outgoing.divergence = turned(meeting.beam.divergence.part(meeting.beam.carried), meeting, branch.way);
         outgoing.divergence.widen(Divergence::of_lobe((1.0F - drawn) * branch.lobe.spread));
         // The front's rays are enough to stand for its lobe.
         outgoing.carried = meeting.beam.interfaces > 0 ? carried_part(sample_) : 0.0F;
@@ -418,15 +448,15 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
 // The last of the next wave's beams, on its way in direction d.
 void BundleTracer::send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const {
     Beam& outgoing = next.beams.back();
-    outgoing.exit = branch.reflected ? glm::vec3(0.0F) : -meeting.n;
+    outgoing.exit = branch.way == Way::Reflected ? glm::vec3(0.0F) : -meeting.n;
     outgoing.has_tail = meeting.material.ndf == Ndf::Ggx;
-    if (settings_.paths == PathMode::TwoInterface && !meeting.entering) {
+    if (settings_.paths == PathMode::TwoInterface && branch.way == Way::Refracted && !meeting.entering) {
         meeting.radiance += looked_up(outgoing);
         next.beams.pop_back();
         return;
     }
     ++outgoing.interfaces;
-    if (!branch.reflected) outgoing.media.cross(meeting.hit, meeting.entering);
+    if (branch.way == Way::Refracted) outgoing.media.cross(meeting.hit, meeting.entering);
     next.rays.push_back({beside(meeting.hit, d), d});
 }
 
@@ -456,7 +486,9 @@ glm::vec3 BundleTracer::looked_up(const Beam& beam, float spread) const {
 glm::vec3 BundleTracer::cut_off(const Meeting& meeting, const Branch& branch) const {
     const glm::vec3& d = branch.lobe.direction;
     const float spread = divergence(meeting, branch).spread();
-    if (branch.reflected == meeting.entering) return branch.weight * scene_.incoming_radiance(d, spread);
+    const bool is_outside = (branch.way == Way::Reflected) == meeting.entering;
+    if (is_outside || meeting.material.kind != MaterialKind::Solid)
+        return branch.weight * scene_.incoming_radiance(d, spread);
     return model::CUT_SHARE * branch.weight *
            scene_.incoming_radiance(d, std::max(spread, model::CUT_SPREAD));
 }

@@ -65,6 +65,7 @@ class BundleTracer {
     struct Beam;
     struct Meeting;
     struct Branch;
+    enum class Way;
     struct Wave;
     struct View;
 
@@ -72,9 +73,10 @@ class BundleTracer {
     void start(const Rect& tile, TracedPicture& picture, Wave& next) const;
     void meet(const Beam& incoming, const glm::vec3& d, const Hit& hit, TracedPicture& picture,
               Wave& next) const;
+    void meet_layer(const Meeting& meeting, Wave& next) const;
     void branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const;
     float left_part(float roughness) const;
-    Divergence turned(Divergence divergence, const Meeting& meeting, bool reflected) const;
+    Divergence turned(Divergence divergence, const Meeting& meeting, Way way) const;
     Divergence divergence(const Meeting& meeting, const Branch& branch) const;
     void follow(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void split(const Meeting& meeting, const Branch& branch, Wave& next) const;

@@ -30,10 +30,18 @@ inline glm::vec3 beside(const Hit& hit, const glm::vec3& d) {
     return p + (is_entering(hit, d) ? -1.0F : 1.0F) * 4e-6F * scale * hit.geometric_normal;
 }
 
+inline float roughness_at(float value, const std::shared_ptr<const Texture>& texture, const Hit& hit) {
+    return texture ? std::clamp(texture->sample(hit.uv), 0.0F, 1.0F) : value;
+}
+
 // 0 … 1, of the material at the hit.
 inline float roughness_at(const Material& material, const Hit& hit) {
-    if (!material.roughness_texture) return material.roughness;
-    return std::clamp(material.roughness_texture->sample(hit.uv), 0.0F, 1.0F);
+    return roughness_at(material.roughness, material.roughness_texture, hit);
+}
+
+// The same of the inner side of a thin layer.
+inline float inner_roughness_at(const Material& material, const Hit& hit) {
+    return roughness_at(material.layer.roughness, material.layer.roughness_texture, hit);
 }
 
 // Width of the distribution that facets are drawn from. Sharper ones are beyond float; such glass is as good

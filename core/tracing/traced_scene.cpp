@@ -46,7 +46,8 @@ void TracedScene::update_roughness(const Scene& scene) {
             }
             ranges[texture] = range;
         }
-        least_roughness_ = std::min(least_roughness_, std::clamp(range.least, 0.0F, 1.0F));
+        if (material.kind == MaterialKind::Solid)
+            least_roughness_ = std::min(least_roughness_, std::clamp(range.least, 0.0F, 1.0F));
         material_varies.push_back(range.least < range.greatest ? 1 : 0);
     }
     ranges_ = std::move(ranges);

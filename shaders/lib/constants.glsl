@@ -9,6 +9,11 @@ const int NDF_BECKMANN = 0;
 const int NDF_GGX = 1;
 const int NDF_BLINN_PHONG = 2;
 
+// What stands behind a surface (MaterialKind of core/scene/scene.h).
+const int KIND_SOLID = 0;
+const int KIND_PANE = 1;
+const int KIND_COATED = 2;
+
 // What becomes of rays beyond the critical angle (de Rousiers et al. 2012, Fig. 18).
 const int TIR_NONE = 0;
 const int TIR_INCIDENT = 1;

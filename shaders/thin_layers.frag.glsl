@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Shades what is seen of the thin layers of one group of objects: panes and coated surfaces. All light comes from the
+// environment and the lights; what lies behind a pane isn't known here.
+#define THIN_LAYERS
+#include "environment.glsl"
+#include "screen_space.glsl"
+#include "lobe_tables.glsl"
+#include "materials.glsl"
+#include "lib/bundle.glsl"
+#include "lib/pane.glsl"
+
+uniform sampler2D front_roughness;
+uniform bool reflection;
+
+layout(location = 0) out vec4 radiance;
+
+vec3 incoming_radiance(WideLobe lobe, float width) {
+    float spread = widened_spread(lobe.spread, width);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < EXIT_TAPS; ++i) sum += incoming_radiance(tap_direction(lobe, i), spread);
+    return sum / float(EXIT_TAPS);
+}
+
+// Under the lobe with these moments; as a core and a tail where the sides' lobes have them.
+vec3 incoming_radiance(Moments moments, bool tail) {
+    if (moments.energy <= 0.0) return vec3(0.0);
+    WideLobe lobe = wide_lobe_from_moments(moments);
+    vec3 incoming = incoming_radiance(lobe, tail ? CORE_WIDTH : 1.0);
+    if (tail) incoming = mix(incoming, incoming_radiance(lobe, TAIL_WIDTH), TAIL_SHARE);
+    return moments.energy * incoming;
+}
+
+vec3 pane_radiance(Material material, Layer layer, vec2 roughness, vec3 d, vec3 n) {
+    Pane pane = Pane(material.tables.x, material.tables.y, material.tables.z, material.tables.w,
+                     material.reflection_ior.w, roughness.x, roughness.y, layer.kind.z != 0);
+    bool tail = layer.edge_tint.w > 0.0;
+    vec3 color = material.color_roughness.rgb * material.color_roughness.rgb;  // of two refractions
+    PaneLobes lobes = pane_lobes(pane, d, n);
+    vec3 sum = color * (incoming_radiance(lobes.transmitted, tail) + incoming_radiance(lobes.trapped, tail));
+    if (!reflection || pane.reflection_outside < 0) return sum;
+    Lobe mirror = reflected_lobe(pane.reflection_outside, pane.eta, pane.near_roughness, d, n);
+    Moments near = add_lobe(no_moments(), mirror, n, 1.0);
+    sum += material.reflection_ior.rgb * incoming_radiance(near, tail);
+    return sum + color * incoming_radiance(lobes.reflected, tail);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 face = texelFetch(front_faces, pixel, 0);
+    if (face.w < 0.0 || decode_group(face.w) != group) discard;
+    Material material = materials[decode_material(face.w)];
+    if (material.absorption.w >= 0.0) discard;  // refraction.frag.glsl shades it
+    Layer layer = layers[decode_material(face.w)];
+    vec3 position = position_at(gl_FragCoord.xy, face.z);
+    vec3 d = view_direction(position);
+    vec3 n = toward_viewer(decode_normal(face.xy), d);
+    vec2 roughness = texelFetch(front_roughness, pixel, 0).xy;
+    radiance = vec4(pane_radiance(material, layer, roughness, d, n), 1.0);
+}
