@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/material/microfacet.h"
+#include "core/material/pane_walk.h"
 #include "core/math/frame.h"
 #include "core/math/pixel_filter.h"
 #include "core/math/sobol.h"
@@ -38,6 +39,9 @@ constexpr int first_inner_dimension = 4;
 constexpr int inner_dimensions = 6;
 constexpr int chance_dimension = 2;      // of the three of an event
 constexpr int reflection_dimension = 3;  // the reflected branch has its own
+// Those of walks in panes come after all of these.
+constexpr int first_walk_dimension = first_inner_dimension + max_drawn_interfaces * inner_dimensions;
+constexpr int walk_dimensions = 3 * PaneWalk::most_steps;
 
 // A narrower front lobe is one ray: more would land in the same pixels of anything.
 constexpr float least_bundle_spread = 1e-6F;
@@ -62,6 +66,11 @@ std::uint64_t pixel_number(glm::ivec2 pixel, const Settings& settings) {
 // The part of the last lobe's variance that a drawn direction brings; the rest is looked up. It grows, so
 // that the pictures' mean converges to that of whole drawn lobes.
 float drawn_part(int sample) { return 1.0F - 1.0F / std::cbrt(static_cast<float>(sample)); }
+
+// Between a lobe's mean direction and one that was drawn from it, with a part of the variance of the latter.
+glm::vec3 between(const glm::vec3& mean, const glm::vec3& drawn, float part) {
+    return glm::normalize(glm::mix(mean, drawn, std::sqrt(part)));
+}
 
 // The part of what has spread before an interface that the look-up keeps, although directions were drawn
 // there, too: small suns would else be met by few rays in a hundred pixels, and their light show as spots
@@ -258,7 +267,12 @@ void BundleTracer::meet(const Beam& incoming, const glm::vec3& d, const Hit& hit
     beam.divergence.travel(hit.t);
     const bool is_thin = material.kind != MaterialKind::Solid;
     beam.weight *= beam.media.transmittance(scene, hit, meeting.entering || is_thin);
-    if (is_thin) return meet_layer(meeting, next);
+    if (is_thin) {
+        if (!meeting.entering && material.kind == MaterialKind::Pane)
+            meeting.roughness = inner_roughness_at(material, hit);
+        meeting.eta = material.ior;
+        return meet_layer(meeting, next);
+    }
     const MediumStack::Interface interface = beam.media.interface(scene, hit, meeting.entering);
     if (!interface.bends()) {
         if (interface.is_real) beam.weight *= material.color;
@@ -292,6 +306,7 @@ void BundleTracer::meet(const Beam& incoming, const glm::vec3& d, const Hit& hit
 }
 
 void BundleTracer::meet_layer(const Meeting& meeting, Wave& next) const {
+    if (sample_ > 0) return draw_layer(meeting, next);
     const LayerLobes lobes = LayerLobes::of(scene_, meeting.hit, meeting.d, meeting.n, meeting.entering);
     const LayerLobe* greatest_lobe = nullptr;
     float greatest_weight = 0.0F;
@@ -400,9 +415,7 @@ void BundleTracer::draw(const Meeting& meeting, const Branch& branch, Wave& next
 }
 
 void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const {
-    const SobolPoint point =
-        SobolPoint(pixel_number(outgoing.pixel, settings_), static_cast<std::uint32_t>(sample_), 0)
-            .part(static_cast<std::uint32_t>(outgoing.number), model::BUNDLE_RAYS);
+    const SobolPoint point = point_of(outgoing);
     const int dimension = outgoing.interfaces == 0
                               ? front_dimension
                               : first_inner_dimension + (outgoing.interfaces - 1) * inner_dimensions +
@@ -426,23 +439,99 @@ void BundleTracer::draw_ray(const Meeting& meeting, const Branch& branch, Beam o
         outgoing.weight /= chance;
     }
     const float left = meeting.is_front_refraction(branch) ? left_part(meeting.roughness) : 0.0F;
-    const auto drawn_direction = [&](float part) {
-        return glm::normalize(glm::mix(branch.lobe.direction, d, std::sqrt(part)));
-    };
     if (left > 0.0F) {
-        d = outgoing.axis = on_side(drawn_direction(1.0F - left), meeting.side(branch));
+        d = outgoing.axis = on_side(between(branch.lobe.direction, d, 1.0F - left), meeting.side(branch));
         outgoing.divergence = Divergence::of_lobe(left * branch.lobe.spread);
         outgoing.carried = 1.0F;
     } else {
-        const float drawn = drawn_part(sample_);
-        outgoing.axis = drawn_direction(drawn);
-        outgoing.divergence = turned(meeting.beam.divergence.part(meeting.beam.carried), meeting, branch.way);
-        outgoing.divergence.widen(Divergence::of_lobe((1.0F - drawn) * branch.lobe.spread));
-        // The front's rays are enough to stand for its lobe.
-        outgoing.carried = meeting.beam.interfaces > 0 ? carried_part(sample_) : 0.0F;
+        look_between(meeting, branch, d, outgoing);
     }
     next.beams.push_back(outgoing);
     send(meeting, branch, d, next);
+}
+
+// For a drawn direction, how its light is looked up where the ray meets nothing.
+void BundleTracer::look_between(const Meeting& meeting, const Branch& branch, const glm::vec3& d,
+                                Beam& outgoing) const {
+    const float drawn = drawn_part(sample_);
+    outgoing.axis = between(branch.lobe.direction, d, drawn);
+    outgoing.divergence = turned(meeting.beam.divergence.part(meeting.beam.carried), meeting, branch.way);
+    outgoing.divergence.widen(Divergence::of_lobe((1.0F - drawn) * branch.lobe.spread));
+    // The front's rays are enough to stand for its lobe.
+    outgoing.carried = meeting.beam.interfaces > 0 ? carried_part(sample_) : 0.0F;
+}
+
+SobolPoint BundleTracer::point_of(const Beam& beam) const {
+    return SobolPoint(pixel_number(beam.pixel, settings_), static_cast<std::uint32_t>(sample_), 0)
+        .part(static_cast<std::uint32_t>(beam.number), model::BUNDLE_RAYS);
+}
+
+// Whole ways through a thin layer, each with one of its ends: four at the front, else one.
+void BundleTracer::draw_layer(const Meeting& meeting, Wave& next) const {
+    if (meeting.beam.interfaces >= max_drawn_interfaces) return;
+    draw_mirrored(meeting, next);
+    const int count = meeting.beam.interfaces == 0 ? model::BUNDLE_RAYS : 1;
+    Beam outgoing = meeting.beam;
+    outgoing.weight /= static_cast<float>(count);
+    for (int i = 0; i < count; ++i) {
+        if (meeting.beam.interfaces == 0) outgoing.number = i;
+        draw_walk(meeting, outgoing, next);
+    }
+}
+
+// By the outer interface.
+void BundleTracer::draw_mirrored(const Meeting& meeting, Wave& next) const {
+    const InterfaceTables& tables = scene_.tables(meeting.hit.material, meeting.eta);
+    if (tables.reflection < 0 || !settings_.reflection) return;
+    const Branch reflected{.way = Way::Reflected,
+                           .lobe = scene_.lobes().reflected_lobe(tables.reflection, meeting.eta,
+                                                                 meeting.roughness, meeting.d, meeting.n),
+                           .color = meeting.material.reflection_color,
+                           .weight = {}};
+    draw(meeting, reflected, next);
+}
+
+void BundleTracer::draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) const {
+    const SobolPoint point = point_of(outgoing);
+    const int first = first_walk_dimension + outgoing.interfaces * walk_dimensions;
+    std::array<glm::vec3, PaneWalk::most_steps> u;
+    for (int step = 0; step < PaneWalk::most_steps; ++step)
+        u[step] = glm::vec3(point.pair(first + 3 * step), point[first + 3 * step + 2]);
+    const Material& material = meeting.material;
+    const float far_roughness =
+        meeting.entering ? inner_roughness_at(material, meeting.hit) : roughness_at(material, meeting.hit);
+    const PaneWalk walk(material.ndf, facet_alpha(meeting.roughness), facet_alpha(far_roughness),
+                        material.ior, material.fresnel, material.layer.inner_reflections);
+    const glm::mat3 frame = frame_of(meeting.n);
+    const auto end = walk.sample(glm::transpose(frame) * -meeting.d, u);
+    if (!end) return;
+    const bool reflected = end->direction.z > 0.0F;
+    if (reflected && !settings_.reflection) return;
+    const glm::vec3 d = frame * end->direction;
+    const Branch branch{.way = reflected ? Way::Reflected : Way::Through,
+                        .lobe = last_lobe(meeting, *end, end->is_near ? meeting.roughness : far_roughness),
+                        .color = material.color * material.color,
+                        .weight = {}};
+    if (glm::dot(d, meeting.side(branch)) <= 0.0F) return;
+    outgoing.weight *= end->weight * branch.color;
+    const float chance = greatest(outgoing.weight) / least_drawn_weight;
+    if (chance < 1.0F && meeting.beam.interfaces > 0) {
+        if (point[first + walk_dimensions - 1] >= chance) return;
+        outgoing.weight /= chance;
+    }
+    look_between(meeting, branch, d, outgoing);
+    next.beams.push_back(outgoing);
+    send(meeting, branch, d, next);
+}
+
+// Of the interface at which a walk has ended.
+model::Lobe BundleTracer::last_lobe(const Meeting& meeting, const PaneWalk::Step& end,
+                                    float roughness) const {
+    const Material& material = meeting.material;
+    const glm::vec3 d = frame_of(meeting.n) * -end.o;
+    const InterfaceTables& inside = scene_.tables(meeting.hit.material, 1.0F / material.ior);
+    return scene_.lobes().refracted_lobe(inside.refraction, inside.eta, roughness, d,
+                                         end.is_near ? -meeting.n : meeting.n, model::TIR_NONE);
 }
 
 // The last of the next wave's beams, on its way in direction d.

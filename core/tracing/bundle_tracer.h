@@ -8,6 +8,8 @@
 #include <glm/glm.hpp>
 #include <span>
 
+#include "core/material/pane_walk.h"
+#include "core/math/sobol.h"
 #include "core/math/unfilled.h"
 #include "core/scene/settings.h"
 #include "core/tracing/camera_rays.h"
@@ -82,6 +84,12 @@ class BundleTracer {
     void split(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void draw(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void draw_ray(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
+    void look_between(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Beam& outgoing) const;
+    SobolPoint point_of(const Beam& beam) const;
+    void draw_layer(const Meeting& meeting, Wave& next) const;
+    void draw_mirrored(const Meeting& meeting, Wave& next) const;
+    void draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) const;
+    model::Lobe last_lobe(const Meeting& meeting, const PaneWalk::Step& end, float roughness) const;
     void send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const;
     glm::vec3 looked_up(const Beam& beam) const;
     glm::vec3 looked_up(const Beam& beam, float spread) const;
