@@ -8,6 +8,7 @@
 #include "materials.glsl"
 #include "lib/bundle.glsl"
 #include "lib/pane.glsl"
+#include "lib/pane_lookup.glsl"
 
 uniform sampler2D front_roughness;
 uniform bool reflection;
@@ -30,18 +31,27 @@ vec3 incoming_radiance(Moments moments, bool tail) {
     return moments.energy * incoming;
 }
 
+vec3 incoming_radiance(Fan fan) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < FAN_RAYS; ++i) {
+        Lobe lobe = fan.lobes[i];
+        if (lobe.energy > 0.0) sum += lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+    }
+    return sum;
+}
+
 vec3 pane_radiance(Material material, Layer layer, vec2 roughness, vec3 d, vec3 n) {
     Pane pane = Pane(material.tables.x, material.tables.y, material.tables.z, material.tables.w,
                      material.reflection_ior.w, roughness.x, roughness.y, layer.kind.z != 0);
     bool tail = layer.edge_tint.w > 0.0;
     vec3 color = material.color_roughness.rgb * material.color_roughness.rgb;  // of two refractions
     PaneLobes lobes = pane_lobes(pane, d, n);
-    vec3 sum = color * (incoming_radiance(lobes.transmitted, tail) + incoming_radiance(lobes.trapped, tail));
+    vec3 sum = color * (incoming_radiance(lobes.transmitted, tail) + incoming_radiance(lobes.trapped));
     if (!reflection || pane.reflection_outside < 0) return sum;
     Lobe mirror = reflected_lobe(pane.reflection_outside, pane.eta, pane.near_roughness, d, n);
     Moments near = add_lobe(no_moments(), mirror, n, 1.0);
     sum += material.reflection_ior.rgb * incoming_radiance(near, tail);
-    return sum + color * incoming_radiance(lobes.reflected, tail);
+    return sum + color * incoming_radiance(lobes.reflected);
 }
 
 void main() {

@@ -30,7 +30,7 @@ class LobeModel {
         }
 
 #include "shaders/lib/lobe_lookup.glsl"
-#include "shaders/lib/pane.glsl"
+#include "shaders/lib/pane_lookup.glsl"
     };
 
   public:
@@ -43,8 +43,6 @@ class LobeModel {
         return Lookup{tables_}.refracted_lobe(table, eta, roughness, d, n, tir);
     }
 
-    using Pane = Lookup::Pane;
-    using PaneLobes = Lookup::PaneLobes;
     PaneLobes pane_lobes(const Pane& pane, const vec3& d, const vec3& n) const {
         return Lookup{tables_}.pane_lobes(pane, d, n);
     }

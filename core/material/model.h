@@ -15,6 +15,7 @@ namespace verglas::model {
 #include "shaders/lib/spherical_gaussian.glsl"
 #include "shaders/lib/lobe.glsl"
 #include "shaders/lib/bundle.glsl"
+#include "shaders/lib/pane.glsl"
 #include "shaders/lib/specular.glsl"
 #include "shaders/lib/depth_mip.glsl"
 #include "shaders/lib/environment.glsl"

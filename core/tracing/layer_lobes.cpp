@@ -23,23 +23,23 @@ void LayerLobes::add_pane(const TracedScene& scene, const Hit& hit, const glm::v
     const Material& material = scene.scene().materials[hit.material];
     const InterfaceTables& outside = scene.tables(hit.material, material.ior);
     const InterfaceTables& inside = scene.tables(hit.material, 1.0F / material.ior);
-    model::LobeModel::Pane pane{outside.refraction,
-                                inside.refraction,
-                                outside.reflection,
-                                inside.reflection,
-                                outside.eta,
-                                roughness_at(material, hit),
-                                inner_roughness_at(material, hit),
-                                material.layer.inner_reflections};
+    model::Pane pane{outside.refraction,
+                     inside.refraction,
+                     outside.reflection,
+                     inside.reflection,
+                     outside.eta,
+                     roughness_at(material, hit),
+                     inner_roughness_at(material, hit),
+                     material.layer.inner_reflections};
     if (!entering) std::swap(pane.near_roughness, pane.far_roughness);
-    const model::LobeModel::PaneLobes lobes = scene.lobes().pane_lobes(pane, d, n);
+    const model::PaneLobes lobes = scene.lobes().pane_lobes(pane, d, n);
     const glm::vec3 color = material.color * material.color;  // of two refractions
     add({false, model::lobe_from_moments(lobes.transmitted), color});
-    add({false, model::lobe_from_moments(lobes.trapped), color});
+    for (const model::Lobe& trapped : lobes.trapped.lobes) add({false, trapped, color});
     if (outside.reflection < 0) return;
     add({true, scene.lobes().reflected_lobe(outside.reflection, pane.eta, pane.near_roughness, d, n),
          material.reflection_color});
-    add({true, model::lobe_from_moments(lobes.reflected), color});
+    for (const model::Lobe& reflected : lobes.reflected.lobes) add({true, reflected, color});
 }
 
 }  // namespace verglas

@@ -28,7 +28,7 @@ class LayerLobes {
     std::span<const LayerLobe> all() const { return {lobes_.data(), count_}; }
 
   private:
-    static constexpr std::size_t most = 10;
+    static constexpr std::size_t most = 18;
 
     void add(const LayerLobe& lobe);
     void add_pane(const TracedScene& scene, const Hit& hit, const glm::vec3& d, const glm::vec3& n,
