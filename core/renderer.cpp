@@ -147,6 +147,7 @@ class Renderer::Device {
     ReliefCache reliefs_;
     MaterialCache materials_;
     EnvironmentCache environment_;
+    LightBuffer lights_;
 };
 
 namespace {
@@ -173,6 +174,7 @@ void Renderer::Device::prepare(const Scene& scene, const Settings& settings, Can
     });
     seconds["tables"] = seconds_of([&] { return materials_.update(scene.materials, textures_); });
     seconds["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
+    lights_.update(scene.lights, scene.camera.view);
     if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();
     canvas.groups = group_objects(scene, meshes_, settings.size, region_of(settings));
     if (canvas.samples > 0) return;
@@ -203,7 +205,7 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     const glm::vec2 offset = blackman_harris_offset(r2_point(canvas.samples), settings.filter_width);
     const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size),
                     settings.size};
-    const ShadingInputs inputs{view, scene, settings, *environment_, targets.front, textures_.most_classes()};
+    const ShadingInputs inputs{view, scene, settings, *environment_, targets.front, textures_.most_classes(), lights_};
     const Surfaces surfaces{scene.materials, textures_, reliefs_};
     const bool with_pyramid = RefractionPass::needs_pyramid(settings);
     const bool with_layers = RefractionPass::needs_layers(settings);

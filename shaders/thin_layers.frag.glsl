@@ -3,6 +3,7 @@
 // environment and the lights; what lies behind a pane isn't known here.
 #define THIN_LAYERS
 #include "environment.glsl"
+#include "local_lights.glsl"
 #include "screen_space.glsl"
 #include "lobe_tables.glsl"
 #include "materials.glsl"
@@ -15,43 +16,55 @@ uniform bool reflection;
 
 layout(location = 0) out vec4 radiance;
 
-vec3 incoming_radiance(WideLobe lobe, float width) {
+// Where lobes leave the layer.
+struct Place {
+    vec3 position;
+    vec3 side;  // unit normal, to where they leave
+};
+
+vec3 incoming_radiance(Place place, vec3 direction, float spread) {
+    return incoming_radiance(direction, spread) + local_radiance(place.position, direction, spread, place.side);
+}
+
+vec3 incoming_radiance(Place place, WideLobe lobe, float width) {
     float spread = widened_spread(lobe.spread, width);
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < EXIT_TAPS; ++i) sum += incoming_radiance(tap_direction(lobe, i), spread);
+    for (int i = 0; i < EXIT_TAPS; ++i) sum += incoming_radiance(place, tap_direction(lobe, i), spread);
     return sum / float(EXIT_TAPS);
 }
 
 // Under the lobe with these moments; as a core and a tail where the sides' lobes have them.
-vec3 incoming_radiance(Moments moments, bool tail) {
+vec3 incoming_radiance(Place place, Moments moments, bool tail) {
     if (moments.energy <= 0.0) return vec3(0.0);
     WideLobe lobe = wide_lobe_from_moments(moments);
-    vec3 incoming = incoming_radiance(lobe, tail ? CORE_WIDTH : 1.0);
-    if (tail) incoming = mix(incoming, incoming_radiance(lobe, TAIL_WIDTH), TAIL_SHARE);
+    vec3 incoming = incoming_radiance(place, lobe, tail ? CORE_WIDTH : 1.0);
+    if (tail) incoming = mix(incoming, incoming_radiance(place, lobe, TAIL_WIDTH), TAIL_SHARE);
     return moments.energy * incoming;
 }
 
-vec3 incoming_radiance(Fan fan) {
+vec3 incoming_radiance(Place place, Fan fan) {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < FAN_RAYS; ++i) {
         Lobe lobe = fan.lobes[i];
-        if (lobe.energy > 0.0) sum += lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+        if (lobe.energy > 0.0) sum += lobe.energy * incoming_radiance(place, lobe.direction, lobe.spread);
     }
     return sum;
 }
 
-vec3 pane_radiance(Material material, Layer layer, vec2 roughness, vec3 d, vec3 n) {
+vec3 pane_radiance(Material material, Layer layer, vec2 roughness, vec3 position, vec3 d, vec3 n) {
     Pane pane = Pane(material.tables.x, material.tables.y, material.tables.z, material.tables.w,
                      material.reflection_ior.w, roughness.x, roughness.y, layer.kind.z != 0);
     bool tail = layer.edge_tint.w > 0.0;
     vec3 color = material.color_roughness.rgb * material.color_roughness.rgb;  // of two refractions
+    Place behind = Place(position, -n);
+    Place before = Place(position, n);
     PaneLobes lobes = pane_lobes(pane, d, n);
-    vec3 sum = color * (incoming_radiance(lobes.transmitted, tail) + incoming_radiance(lobes.trapped));
+    vec3 sum = color * (incoming_radiance(behind, lobes.transmitted, tail) + incoming_radiance(behind, lobes.trapped));
     if (!reflection || pane.reflection_outside < 0) return sum;
     Lobe mirror = reflected_lobe(pane.reflection_outside, pane.eta, pane.near_roughness, d, n);
     Moments near = add_lobe(no_moments(), mirror, n, 1.0);
-    sum += material.reflection_ior.rgb * incoming_radiance(near, tail);
-    return sum + color * incoming_radiance(lobes.reflected);
+    sum += material.reflection_ior.rgb * incoming_radiance(before, near, tail);
+    return sum + color * incoming_radiance(before, lobes.reflected);
 }
 
 void main() {
@@ -65,5 +78,5 @@ void main() {
     vec3 d = view_direction(position);
     vec3 n = toward_viewer(decode_normal(face.xy), d);
     vec2 roughness = texelFetch(front_roughness, pixel, 0).xy;
-    radiance = vec4(pane_radiance(material, layer, roughness, d, n), 1.0);
+    radiance = vec4(pane_radiance(material, layer, roughness, position, d, n), 1.0);
 }

@@ -20,6 +20,7 @@ namespace verglas::model {
 #include "shaders/lib/depth_mip.glsl"
 #include "shaders/lib/environment.glsl"
 #include "shaders/lib/relief.glsl"
+#include "shaders/lib/local_light.glsl"
 // clang-format on
 
 }  // namespace verglas::model

@@ -263,6 +263,23 @@ void MaterialCache::upload_tables() {
     }
 }
 
+void LightBuffer::update(const std::vector<Light>& lights, const glm::mat4& view) {
+    struct LightData {
+        glm::vec4 place;
+        glm::vec4 axis;
+        glm::vec4 intensity;
+    };
+    std::vector<LightData> data;
+    for (const Light& light : lights) {
+        const float w = light.kind == LightKind::Sun ? 0.0F : 1.0F;
+        data.push_back({glm::vec4(glm::vec3(view * glm::vec4(light.place, w)), light.radius),
+                        glm::vec4(glm::mat3(view) * light.axis, static_cast<float>(light.kind)),
+                        glm::vec4(light.intensity, 0.0F)});
+    }
+    count_ = static_cast<int>(data.size());
+    if (count_ > 0) buffer_ = gl::make_buffer(data.size() * sizeof(LightData), data.data());
+}
+
 bool EnvironmentCache::update(const std::shared_ptr<const EnvironmentMap>& map) {
     // Without a map the light is the same from everywhere; its colour is the scene's factor.
     static const auto white =

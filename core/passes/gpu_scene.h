@@ -112,6 +112,20 @@ class MaterialCache {
     gl::Texture lobe_tables_;
 };
 
+// The lights in camera space, as shaders/local_lights.glsl has them.
+class LightBuffer {
+  public:
+    // view: world -> camera.
+    void update(const std::vector<Light>& lights, const glm::mat4& view);
+    // None without lights.
+    const gl::Buffer& buffer() const { return buffer_; }
+    int count() const { return count_; }
+
+  private:
+    gl::Buffer buffer_;
+    int count_ = 0;
+};
+
 // The environment of the newest scene, prefiltered.
 class EnvironmentCache {
   public:

@@ -56,6 +56,12 @@ void set_environment(const gl::Program& program, const ShadingInputs& inputs) {
                 inputs.scene.environment_rotation * glm::transpose(glm::mat3(inputs.view.view)));
 }
 
+// Those of shaders/local_lights.glsl.
+void set_lights(const gl::Program& program, const LightBuffer& lights) {
+    program.set("light_count", lights.count());
+    if (lights.count() > 0) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, lights.buffer().id());
+}
+
 // The uniforms of shaders/screen_space.glsl.
 void set_screen_space(const gl::Program& program, const ShadingInputs& inputs) {
     set_texture(program, "front_faces", front_unit, inputs.front.texels());
@@ -152,6 +158,7 @@ void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& tar
     if (!program_) program_.emplace("full_screen.vert.glsl", "thin_layers.frag.glsl");
     program_->use();
     set_environment(*program_, inputs);
+    set_lights(*program_, inputs.lights);
     set_screen_space(*program_, inputs);
     set_texture(*program_, "lobe_tables", tables_unit, materials.lobe_tables());
     set_texture(*program_, "front_roughness", front_roughness_unit, inputs.front.roughness());

@@ -23,6 +23,7 @@ struct ShadingInputs {
     const FilteredEnvironment& environment;
     const GeometryBuffer& front;
     int classes;  // of roughness that varies
+    const LightBuffer& lights;
 };
 
 // Layers between the nearest front and the farthest back faces, where an object lies before itself.

@@ -65,10 +65,10 @@ struct Object {
     bool operator==(const Object&) const = default;
 };
 
-enum class LightKind {
-    Sphere,  // its light goes evenly to all sides
-    Disk,    // as a sphere, but by the cosine to its axis: part of an area light
-    Sun,     // from infinitely far away
+enum class LightKind : int {
+    Sphere = model::LIGHT_SPHERE,  // its light goes evenly to all sides
+    Disk = model::LIGHT_DISK,      // as a sphere, but by the cosine to its axis: part of an area light
+    Sun = model::LIGHT_SUN,        // from infinitely far away
 };
 
 // What shines beside the environment. Not seen itself.

@@ -110,6 +110,7 @@ struct BundleTracer::Meeting {
 
     glm::vec3 side(const Branch& branch) const;  // the triangle's normal, to where the branch goes
     bool is_front_refraction(const Branch& branch) const;
+    bool is_outside(const Branch& branch) const;
 };
 
 // How light goes on at a surface.
@@ -330,6 +331,7 @@ void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool
                               Wave& next) const {
     const float weight = greatest(branch.weight);
     if (weight <= 0.0F) return;
+    light(meeting, branch);
     const Beam& beam = meeting.beam;
     if (sample_ > 0) {
         if (beam.interfaces < max_drawn_interfaces) draw(meeting, branch, next);
@@ -342,6 +344,28 @@ void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool
         split(meeting, branch, next);
     else
         follow(meeting, branch, next);
+}
+
+// Whether it leaves to where the environment and the lights are.
+bool BundleTracer::Meeting::is_outside(const Branch& branch) const {
+    return material.kind != MaterialKind::Solid || (branch.way == Way::Reflected) == entering;
+}
+
+// Adds what a branch brings from the scene's lights. They are looked up under the interface's whole lobe
+// where directions are drawn, too: rays would hardly ever meet them.
+void BundleTracer::light(const Meeting& meeting, const Branch& branch) const {
+    if (scene_.scene().lights.empty() || !meeting.is_outside(branch)) return;
+    const glm::vec3 side = meeting.side(branch);
+    const glm::vec3 d = on_side(branch.lobe.direction, side);
+    const glm::vec3 position = beside(meeting.hit, side);
+    const float spread = std::max(divergence(meeting, branch).spread(), model::LOBE_MIN_SPREAD);
+    const auto radiance = [&](float width) {
+        return scene_.local_radiance(position, d, model::widened_spread(spread, width), side);
+    };
+    const bool has_tail = meeting.material.ndf == Ndf::Ggx;
+    meeting.radiance += branch.weight * (has_tail ? glm::mix(radiance(model::CORE_WIDTH),
+                                                             radiance(model::TAIL_WIDTH), model::TAIL_SHARE)
+                                                  : radiance(1.0F));
 }
 
 // What has spread before an interface, after it. It turns as at straight incidence: near the critical angle,
@@ -483,12 +507,13 @@ void BundleTracer::draw_layer(const Meeting& meeting, Wave& next) const {
 void BundleTracer::draw_mirrored(const Meeting& meeting, Wave& next) const {
     const InterfaceTables& tables = scene_.tables(meeting.hit.material, meeting.eta);
     if (tables.reflection < 0 || !settings_.reflection) return;
-    const Branch reflected{.way = Way::Reflected,
-                           .lobe = scene_.lobes().reflected_lobe(tables.reflection, meeting.eta,
-                                                                 meeting.roughness, meeting.d, meeting.n),
-                           .color = meeting.material.reflection_color,
-                           .weight = {}};
-    draw(meeting, reflected, next);
+    Branch reflected{.way = Way::Reflected,
+                     .lobe = scene_.lobes().reflected_lobe(tables.reflection, meeting.eta, meeting.roughness,
+                                                           meeting.d, meeting.n),
+                     .color = meeting.material.reflection_color,
+                     .weight = {}};
+    reflected.weight = meeting.beam.weight * reflected.lobe.energy * reflected.color;
+    branch_off(meeting, reflected, true, next);
 }
 
 void BundleTracer::draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) const {
@@ -508,12 +533,14 @@ void BundleTracer::draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) 
     const bool reflected = end->direction.z > 0.0F;
     if (reflected && !settings_.reflection) return;
     const glm::vec3 d = frame * end->direction;
-    const Branch branch{.way = reflected ? Way::Reflected : Way::Through,
-                        .lobe = last_lobe(meeting, *end, end->is_near ? meeting.roughness : far_roughness),
-                        .color = material.color * material.color,
-                        .weight = {}};
+    Branch branch{.way = reflected ? Way::Reflected : Way::Through,
+                  .lobe = last_lobe(meeting, *end, end->is_near ? meeting.roughness : far_roughness),
+                  .color = material.color * material.color,
+                  .weight = {}};
     if (glm::dot(d, meeting.side(branch)) <= 0.0F) return;
     outgoing.weight *= end->weight * branch.color;
+    branch.weight = outgoing.weight;
+    light(meeting, branch);
     const float chance = greatest(outgoing.weight) / least_drawn_weight;
     if (chance < 1.0F && meeting.beam.interfaces > 0) {
         if (point[first + walk_dimensions - 1] >= chance) return;
@@ -575,9 +602,7 @@ glm::vec3 BundleTracer::looked_up(const Beam& beam, float spread) const {
 glm::vec3 BundleTracer::cut_off(const Meeting& meeting, const Branch& branch) const {
     const glm::vec3& d = branch.lobe.direction;
     const float spread = divergence(meeting, branch).spread();
-    const bool is_outside = (branch.way == Way::Reflected) == meeting.entering;
-    if (is_outside || meeting.material.kind != MaterialKind::Solid)
-        return branch.weight * scene_.incoming_radiance(d, spread);
+    if (meeting.is_outside(branch)) return branch.weight * scene_.incoming_radiance(d, spread);
     return model::CUT_SHARE * branch.weight *
            scene_.incoming_radiance(d, std::max(spread, model::CUT_SPREAD));
 }

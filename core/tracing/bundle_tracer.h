@@ -77,6 +77,7 @@ class BundleTracer {
               Wave& next) const;
     void meet_layer(const Meeting& meeting, Wave& next) const;
     void branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const;
+    void light(const Meeting& meeting, const Branch& branch) const;
     float left_part(float roughness) const;
     Divergence turned(Divergence divergence, const Meeting& meeting, Way way) const;
     Divergence divergence(const Meeting& meeting, const Branch& branch) const;

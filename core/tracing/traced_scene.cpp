@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <utility>
+
+#include "core/tracing/crossing.h"
 
 namespace verglas {
 namespace {
@@ -21,12 +24,46 @@ TracedScene::TracedScene() : tables_(user_cache_folder()) {}
 
 void TracedScene::update(const Scene& scene) {
     scene_ = &scene;
+    has_shadows_ = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
+        return material.kind == MaterialKind::Coated;
+    });
     seconds_["meshes"] = seconds_of([&] { rays_.update(scene); });
     seconds_["tables"] = seconds_of([&] {
         if (tables_.update(scene.materials) || !lobes_) lobes_.emplace(tables_.slices());
         update_roughness(scene);
     });
     seconds_["environment"] = seconds_of([&] { update_environment(scene.environment_map); });
+}
+
+glm::vec3 TracedScene::local_radiance(const glm::vec3& position, const glm::vec3& direction, float spread,
+                                      const glm::vec3& side) const {
+    glm::vec3 sum(0.0F);
+    for (const Light& light : scene_->lights) {
+        const model::LocalLight seen{static_cast<int>(light.kind), light.place, light.radius, light.axis,
+                                     light.intensity};
+        const glm::vec3 radiance = model::light_radiance(seen, position, direction, spread, side);
+        if (model::greatest(radiance) > 0.0F && !is_shadowed(position, light)) sum += radiance;
+    }
+    return sum;
+}
+
+// By something coated; glass lets light through.
+bool TracedScene::is_shadowed(const glm::vec3& position, const Light& light) const {
+    if (!has_shadows_) return false;
+    const glm::vec3 way = light.place - position;
+    const bool is_sun = light.kind == LightKind::Sun;
+    float distance = is_sun ? std::numeric_limits<float>::max() : glm::length(way) - light.radius;
+    const glm::vec3 d = is_sun ? light.place : glm::normalize(way);
+    constexpr int most_surfaces = 64;
+    glm::vec3 origin = position;
+    for (int i = 0; i < most_surfaces; ++i) {
+        const auto hit = rays_.intersect(origin, d);
+        if (!hit || hit->t >= distance) return false;
+        if (scene_->materials[hit->material].kind == MaterialKind::Coated) return true;
+        distance -= hit->t;
+        origin = beside(*hit, d);
+    }
+    return true;
 }
 
 void TracedScene::update_roughness(const Scene& scene) {

@@ -52,6 +52,12 @@ class TracedScene {
         for (glm::vec3& radiance : radiances) radiance *= scene_->environment_color;
     }
 
+    // Light that arrives from the scene's lights at a point beside a surface, under a lobe that leaves it;
+    // what is coated is in its way. direction, side: unit; side: the surface's normal, to where the lobe
+    // leaves.
+    glm::vec3 local_radiance(const glm::vec3& position, const glm::vec3& direction, float spread,
+                             const glm::vec3& side) const;
+
     // Wall time of the parts of the last update(), as Frame::prepare_seconds.
     const std::map<std::string, double>& seconds() const { return seconds_; }
 
@@ -61,6 +67,7 @@ class TracedScene {
         float least;
         float greatest;
     };
+    bool is_shadowed(const glm::vec3& position, const Light& light) const;
     void update_roughness(const Scene& scene);
     void update_environment(const std::shared_ptr<const EnvironmentMap>& map);
 
@@ -71,6 +78,7 @@ class TracedScene {
     std::map<std::shared_ptr<const Texture>, Range> ranges_;  // of textures of roughness
     float least_roughness_ = 0.0F;
     std::vector<char> varies_;  // by Scene::objects
+    bool has_shadows_ = false;  // whether anything is coated
     std::shared_ptr<const EnvironmentMap> map_;
     std::optional<model::EnvironmentModel> environment_;
     std::map<std::string, double> seconds_;

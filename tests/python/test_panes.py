@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Thin panes on both devices, against path tracing of a thin box with two rough sides."""
 
+import functools
 import itertools
 from pathlib import Path
 
@@ -168,3 +169,41 @@ def test_tint_is_that_of_two_refractions(device):
     plain = pane_of(0.3, 0.3, reflection_color=(0, 0, 0))
     ratio = render(device, pane_scene(material, 20, 1.0)) / render(device, pane_scene(plain, 20, 1.0))
     np.testing.assert_allclose(ratio, np.broadcast_to([0.81, 0.25, 0.01], ratio.shape), rtol=2e-3)
+
+
+def capped_map(cos_cap, height=512):
+    """White about -Z, black elsewhere; a row's share of the cap is its radiance."""
+    edges = np.cos(np.pi * (1 - np.arange(height + 1) / height))  # cosines to +Z, from the bottom
+    share = np.clip((-cos_cap - edges[:-1]) / np.diff(edges), 0, 1)
+    return verglas.EnvironmentMap("Cap", np.tile(share[:, None, None], (1, 2 * height, 3)))
+
+
+def straight_view(scene):
+    """Through the origin alone."""
+    scene.camera = camera_at(0)
+    scene.camera.projection = np.diag([400.0, 400, 1, 1]) @ np.linalg.inv(
+        np.diag([4.0, 4, 1, 1])) @ scene.camera.projection
+    scene.environment_rotation = np.eye(3)
+    return scene
+
+
+@functools.cache
+def radiance_of_cap(roughness, cos_cap):
+    """What the traced device converges to with the cap as environment."""
+    material = pane_of(roughness, roughness, reflection_color=(0, 0, 0))
+    scene = straight_view(pane_scene(material, 0, capped_map(cos_cap)))
+    return render(verglas.TracedRenderer(), scene, samples=128).mean()
+
+
+@pytest.mark.parametrize("distance", [1.0, 2.0, 5.0, 20.0])
+@pytest.mark.parametrize("roughness", ROUGHNESSES)
+def test_sphere_light_is_the_integral_of_its_radiance(device, distance, roughness):
+    """Lamps behind frosted glass would glow too bright or too dark."""
+    material = pane_of(roughness, roughness, reflection_color=(0, 0, 0))
+    truth = radiance_of_cap(roughness, np.sqrt(1 - 1 / distance ** 2))
+    scene = straight_view(pane_scene(material, 0, 0.0))
+    scene.add_light("Lamp", 'SPHERE', (0, 0, -distance), [np.pi] * 3, radius=1.0)
+    scene.environment_color = (0, 0, 0)
+    lit = render(device, scene, samples=1).mean()
+    print(f"lit / integrated {lit / truth:.4f}")
+    assert lit == pytest.approx(truth, rel=0.03)

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The scene's lights, in camera space; see LightCache of core/passes/gpu_scene.h.
+#include "lib/constants.glsl"
+#include "lib/fresnel.glsl"
+#include "lib/spherical_gaussian.glsl"
+#include "lib/lobe.glsl"
+#include "lib/local_light.glsl"
+
+struct LightData {
+    vec4 place;      // w: radius
+    vec4 axis;       // w: LIGHT_*
+    vec4 intensity;
+};
+
+layout(std430, binding = 2) readonly buffer Lights { LightData lights[]; };
+uniform int light_count;
+
+// Under a lobe that leaves a surface; side: as for light_radiance.
+vec3 local_radiance(vec3 position, vec3 direction, float spread, vec3 side) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < light_count; ++i) {
+        LightData data = lights[i];
+        LocalLight light =
+            LocalLight(int(data.axis.w), data.place.xyz, data.place.w, data.axis.xyz, data.intensity.xyz);
+        sum += light_radiance(light, position, direction, spread, side);
+    }
+    return sum;
+}
