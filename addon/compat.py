@@ -92,6 +92,19 @@ def world_of(depsgraph: bpy.types.Depsgraph) -> bpy.types.World | None:
     return override or depsgraph.scene_eval.world
 
 
+def keep_subdivided_meshes_valid() -> None:
+    """To be called after each undo and redo. Until 4.0 they free what a Subdivision Surface modifier keeps of
+    an object that they change (modifiers get new session UUIDs as they are read, by which the depsgraph would
+    keep that), but an evaluated mesh to be subdivided on the GPU still points to it unless it is made again.
+    The next one who has it subdivided, to_mesh() or the Solid viewport, would end Blender, whatever the
+    engine."""
+    if VERSION >= (4, 1, 0) or not bpy.context.preferences.system.use_gpu_subdivision:
+        return
+    for obj in bpy.data.objects:
+        if any(modifier.type == 'SUBSURF' for modifier in obj.modifiers):
+            obj.update_tag(refresh={'DATA'})
+
+
 def write_pass(render_pass: bpy.types.RenderPass, pixels: np.ndarray) -> None:
     """Fill a pass of the render result. pixels: float32, one value for each pixel and channel,
     row 0 at the bottom. Older versions count pixels where newer ones count values."""

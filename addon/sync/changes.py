@@ -4,6 +4,7 @@ out of date."""
 
 import bpy
 
+from .. import compat
 from . import images, readings, world
 
 SHAPES = (bpy.types.Mesh, bpy.types.Curve, bpy.types.MetaBall)
@@ -33,6 +34,7 @@ def _on_undo(*_) -> None:
     """Undo replaces all data."""
     images.note_all_changes()
     readings.note_all()
+    compat.keep_subdivided_meshes_valid()
 
 
 @bpy.app.handlers.persistent

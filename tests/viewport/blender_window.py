@@ -27,6 +27,11 @@ PATH = [str(TESTS / "viewport"), str(TESTS / "blender")]
 SIMULATE_EVENTS = "--enable-event-simulate"
 """The option with which Blender takes simulated events. It never sleeps then."""
 
+OVERWRITE_FREED_MEMORY = {"MALLOC_CONF": "junk:true", "MALLOC_PERTURB_": "165"}
+"""Environment variables by which jemalloc, which Debian's and the official Blender have, and glibc fill
+memory as it is freed: who uses it later crashes then and there, not in one of some runs. Only for the CPU
+device: Mesa 22.3's software renderer reads freed memory where two threads draw."""
+
 PATIENCE = 60.0
 """Seconds that one call may take before Blender counts as hung."""
 
@@ -85,15 +90,16 @@ class Window:
     Its settings, temporary and recent files are kept apart from the user's.
 
     options: further ones of Blender; SIMULATE_EVENTS where drag() is called. blender: its path; default as
-    the launcher takes it. Raises Dead where it doesn't come up."""
+    the launcher takes it. variables: of its environment. Raises Dead where it doesn't come up."""
 
-    def __init__(self, width: int, height: int, *options: str, blender: str | None = None):
+    def __init__(self, width: int, height: int, *options: str, blender: str | None = None,
+                 variables: dict[str, str] | None = None):
         self.folder = Path(tempfile.mkdtemp(prefix="verglas_window_"))
         self.width, self.height = width, height
         self.screen = Screen(self.folder, width, height)
         ours, theirs = socket.socketpair()
         self._channel = Channel(ours)
-        environment = os.environ | {
+        environment = os.environ | (variables or {}) | {
             "DISPLAY": self.screen.display, "LIBGL_ALWAYS_SOFTWARE": "1", "LC_ALL": "C.UTF-8",
             "BLENDER_USER_CONFIG": str(self.folder / "config"), "TMPDIR": str(self.folder),
         }

@@ -2,6 +2,8 @@
 """Fixtures of the tests that drive a real Blender window."""
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import blender_window
@@ -59,11 +61,25 @@ def window(_shared, device) -> blender_window.Window:
 
 
 @pytest.fixture
-def sleepy_window(device) -> blender_window.Window:
+def sleepy_window(device) -> Iterator[blender_window.Window]:
     """As window, in a Blender that sleeps where it has no events, as a user's does."""
+    with _own_window(device) as window:
+        yield window
+
+
+@pytest.fixture
+def strict_window() -> Iterator[blender_window.Window]:
+    """As window, in a Blender that crashes where it uses memory that it has freed."""
+    with _own_window('CPU', variables=blender_window.OVERWRITE_FREED_MEMORY) as window:
+        yield window
+
+
+@contextmanager
+def _own_window(device: str, **arguments) -> Iterator[blender_window.Window]:
+    """Of one test alone. arguments: of Window."""
     if reason := blender_window.why_not():
         pytest.skip(reason)
-    window = blender_window.Window(640, 480)
+    window = blender_window.Window(640, 480, **arguments)
     try:
         _show_new_file(window, device)
         yield window
