@@ -85,6 +85,21 @@ def stretch_mesh(factor: float) -> None:
         bpy.ops.transform.resize(value=(factor, 1.0, 1.0))
 
 
+def toggle_particles() -> None:
+    """Gives the monkey some small spheres, or takes them away."""
+    monkey = bpy.data.objects["Monkey"]
+    if monkey.particle_systems:
+        monkey.modifiers.remove(next(each for each in monkey.modifiers if each.type == 'PARTICLE_SYSTEM'))
+        return
+    monkey.modifiers.new("Particles", 'PARTICLE_SYSTEM')
+    particles = monkey.particle_systems[0].settings
+    particles.type = 'HAIR'
+    particles.count = 10
+    particles.render_type = 'OBJECT'
+    particles.instance_object = bpy.data.objects["Sphere"]
+    particles.particle_size = 0.1
+
+
 def set_setting(name: str, value: object) -> object:
     """One of Verglas' own, of the scene. Returns what it was."""
     scene = bpy.context.scene
@@ -142,6 +157,27 @@ def set_world_strength(strength: float) -> None:
 def add_copy(name: str, x: float, y: float, z: float) -> None:
     """Of an object, with the same mesh, at a place."""
     obj = bpy.data.objects[name].copy()
+    obj.location = (x, y, z)
+    bpy.context.scene.collection.objects.link(obj)
+
+
+def save_library(path: str) -> None:
+    """A file with a collection "Library", which holds a copy of the sphere."""
+    collection = bpy.data.collections.new("Library")
+    obj = bpy.data.objects["Sphere"].copy()
+    collection.objects.link(obj)
+    bpy.data.libraries.write(path, {collection})
+    bpy.data.collections.remove(collection)
+    bpy.data.objects.remove(obj)
+
+
+def add_linked(path: str, x: float, y: float, z: float) -> None:
+    """An instance, at a place, of a library's collection."""
+    with bpy.data.libraries.load(path, link=True) as (_, linked):
+        linked.collections = ["Library"]
+    obj = bpy.data.objects.new("Linked.001", None)
+    obj.instance_type = 'COLLECTION'
+    obj.instance_collection = linked.collections[0]
     obj.location = (x, y, z)
     bpy.context.scene.collection.objects.link(obj)
 

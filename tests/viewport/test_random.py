@@ -3,6 +3,7 @@
 
 import random
 import time
+from pathlib import Path
 
 import pytest
 from blender_window import Window
@@ -17,12 +18,13 @@ class Work:
     """Random operations. Each method with a name is one; they leave Blender in a state in which every other
     one can follow."""
 
-    def __init__(self, window: Window, seed: int, path: str):
+    def __init__(self, window: Window, seed: int, folder: Path):
         self._window = window
         self._random = random.Random(seed)
-        self._path = path
-        window.call("edits.save", path)
-        window.call("edits.load", path)  # nothing is undone beyond this
+        self._path, self._library = str(folder / "work.blend"), str(folder / "library.blend")
+        window.call("edits.save_library", self._library)
+        window.call("edits.save", self._path)
+        window.call("edits.load", self._path)  # nothing is undone beyond this
         self._operations = [getattr(self, name) for name in dir(self) if not name.startswith("_")]
 
     def __call__(self) -> None:
@@ -66,6 +68,10 @@ class Work:
         self._window.call("edits.add_copy", self._name(), *(self._number(-1.0, 1.0) for _ in range(3)))
         self._window.call("edits.push_undo", "Add")
 
+    def add_linked(self):
+        self._window.call("edits.add_linked", self._library, *(self._number(-1.0, 1.0) for _ in range(3)))
+        self._window.call("edits.push_undo", "Link")
+
     def delete(self):
         self._window.call("edits.delete_copies")
         self._window.call("edits.push_undo", "Delete")
@@ -75,6 +81,20 @@ class Work:
         self._window.call("edits.set_mode", 'EDIT')
         self._window.call("edits.stretch_mesh", self._number(0.8, 1.25))
         self._window.call("edits.set_mode", 'OBJECT')
+
+    def sculpt_mode(self):
+        self._window.call("edits.select", self._name())
+        for mode in ('SCULPT', 'OBJECT'):
+            self._window.call("edits.set_mode", mode)
+
+    def particles(self):
+        self._window.call("edits.toggle_particles")
+        self._window.call("edits.push_undo", "Particles")
+
+    def second_window(self):
+        self._window.call("viewports.open_window")
+        self._window.call("edits.set_roughness", self._name(), self._number(0.05, 0.9))
+        self._window.call("viewports.close_windows")
 
     def split(self):
         if self._window.call("viewports.count") == 1:
@@ -115,7 +135,7 @@ class Work:
 
 def test_random_work(window, tmp_path):
     """Some sequence of operations would end Blender, or leave an old picture."""
-    work = Work(window, 6, str(tmp_path / "work.blend"))
+    work = Work(window, 6, tmp_path)
     for _ in range(30):
         work()
     settle(window)
@@ -125,7 +145,7 @@ def test_random_work(window, tmp_path):
 @pytest.mark.slow
 def test_long_work(window, tmp_path):
     """Blender would fail after an hour of work, or fill the memory."""
-    work = Work(window, 1, str(tmp_path / "work.blend"))
+    work = Work(window, 1, tmp_path)
     for done in range(500):
         work()
         if done % 20 == 0:

@@ -118,6 +118,19 @@ def _close(chosen: Callable[[bpy.types.Area], bool]) -> None:
             bpy.ops.screen.area_close()
 
 
+def open_window() -> None:
+    """Another one, with the same areas. It isn't the one that all else here is about."""
+    with context_of(0):
+        bpy.ops.wm.window_new()
+
+
+def close_windows() -> None:
+    """All but the first."""
+    for other in bpy.context.window_manager.windows[1:]:
+        with bpy.context.temp_override(window=other):
+            bpy.ops.wm.window_close()
+
+
 def toggle_quad_view(index: int) -> None:
     with context_of(index):
         bpy.ops.screen.region_quadview()
