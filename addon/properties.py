@@ -7,6 +7,11 @@ from bpy.props import (
 )
 
 
+def _noticed(_settings, _context) -> None:
+    """Blender has viewports updated for what users change in panels; for what scripts set, only where there
+    is such a function, whatever it does."""
+
+
 class VerglasSceneSettings(bpy.types.PropertyGroup):
     method: EnumProperty(
         name="Method",
@@ -29,6 +34,7 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
              "reflections too"),
         ),
         default='AUTO',
+        update=_noticed,
     )
     traced_final: BoolProperty(
         name="Traced Final Frames",
@@ -40,6 +46,7 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
         description="How many surfaces light is followed through, where it enters, leaves or is reflected "
                     "inside; beyond, it comes from the world straight away. Fewer are faster",
         default=8, min=1, max=64,
+        update=_noticed,
     )
     reference_samples: IntProperty(
         name="Samples",
@@ -75,11 +82,13 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
         name="Viewport Samples",
         description="Jittered samples for each pixel that the viewport gathers while nothing changes",
         default=16, min=1, max=65536, soft_max=256,
+        update=_noticed,
     )
     filter_width: FloatProperty(
         name="Filter Width",
         description="Width of the Blackman-Harris pixel filter",
         default=1.5, min=0.01, max=10.0, subtype='PIXEL',
+        update=_noticed,
     )
     transport: EnumProperty(
         name="Transport",
@@ -93,6 +102,7 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
             ('SPECULAR', "Specular", "Sharp refraction, as if the glass were smooth (Wyman 2005)"),
         ),
         default='BUNDLE',
+        update=_noticed,
     )
     intersection: EnumProperty(
         name="Intersection",
@@ -102,6 +112,7 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
             ('MARCH', "March", "March through the depth map; for comparison"),
         ),
         default='NEWTON',
+        update=_noticed,
     )
     tir: EnumProperty(
         name="Total Internal Reflection",
@@ -116,6 +127,7 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
              "else as Clamp"),
         ),
         default='CLAMP',
+        update=_noticed,
     )
     back_roughness: EnumProperty(
         name="Back Roughness",
@@ -127,17 +139,20 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
              "seen through the front"),
         ),
         default='COVERAGE',
+        update=_noticed,
     )
     roughness_classes: IntProperty(
         name="Classes",
         description="How many classes stand for the roughnesses of a texture, at most; those between two are "
                     "mixed from both. More are slower",
         default=4, min=2, max=8,
+        update=_noticed,
     )
     reflection: BoolProperty(
         name="Reflection",
         description="Reflect the world in the front of the glass, where the material does",
         default=True,
+        update=_noticed,
     )
 
 
@@ -152,16 +167,19 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
             ('BLINN_PHONG', "Blinn-Phong", "Cosine power, as in the paper"),
         ),
         default='NODES',
+        update=_noticed,
     )
     absorption_color: FloatVectorProperty(
         name="Absorption Color",
         description="Color that remains of white light inside, where the material has no volume node",
         subtype='COLOR', size=3, min=0.0, max=1.0, default=(0.8, 0.8, 0.8),
+        update=_noticed,
     )
     absorption_density: FloatProperty(
         name="Absorption Density",
         description="Absorption for each unit of length, as in the Volume Absorption node; 0 is clear",
         default=0.0, min=0.0, soft_max=100.0,
+        update=_noticed,
     )
     bake_resolution: EnumProperty(
         name="Bake Resolution",
@@ -170,6 +188,7 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
                     "several UV maps",
         items=tuple((str(2 ** k), f"{2 ** k} px", "") for k in range(8, 13)),
         default='1024',
+        update=_noticed,
     )
     priority: IntProperty(
         name="Priority",
@@ -177,6 +196,7 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
                     "its glass: the one of higher priority. IOR is then the material's own in any "
                     "surroundings. 0: as in Cycles, IOR is relative to what is around the surface",
         default=0, min=0, soft_max=10,
+        update=_noticed,
     )
 
 

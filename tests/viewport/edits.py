@@ -102,12 +102,15 @@ def toggle_particles() -> None:
 
 def set_setting(name: str, value: object) -> object:
     """One of Verglas' own, of the scene. Returns what it was."""
-    scene = bpy.context.scene
-    before = getattr(scene.verglas, name)
-    setattr(scene.verglas, name, value)
-    # Blender looks at the scene again where a user moves a slider of an add-on, but not where a script does
-    scene.render.film_transparent = scene.render.film_transparent
+    settings = bpy.context.scene.verglas
+    before = getattr(settings, name)
+    setattr(settings, name, value)
     return before
+
+
+def set_material_setting(obj: str, name: str, value: object) -> None:
+    """One of Verglas' own, of an object's material."""
+    setattr(bpy.data.objects[obj].material_slots[0].material.verglas, name, value)
 
 
 def set_transparent(is_transparent: bool) -> None:

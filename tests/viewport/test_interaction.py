@@ -22,6 +22,16 @@ def test_roughness(window):
     assert_other(final_picture(window), before)
 
 
+def test_settings(window):
+    """What a script sets would be seen only once the user moves something."""
+    before = settled_picture(window)
+    window.call("edits.set_setting", "filter_width", 10.0)
+    other = final_picture(window)
+    assert_other(other, before)
+    window.call("edits.set_material_setting", "Monkey", "absorption_density", 10.0)
+    assert_other(final_picture(window), other)
+
+
 def test_move_and_undo(window):
     """Objects would stay where they were, or where undo has taken them from."""
     before = settled_picture(window)
