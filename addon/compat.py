@@ -55,6 +55,16 @@ def principled_reflection_tint(base_color: np.ndarray, specular_tint: np.ndarray
     return 1.0 - specular_tint + base_color * specular_tint if VERSION < (4, 0, 0) else specular_tint
 
 
+STRENGTH_STEEPENS_NORMAL_MAPS = VERSION >= (4, 0, 0)
+"""Whether the strength of a Normal Map node in tangent space is a factor of the map's slopes; else it mixes
+normals, as in other spaces."""
+
+
+def is_directx(normal_map: bpy.types.ShaderNodeNormalMap) -> bool:
+    """Whether green points down in a Normal Map node's colours; 5.1 brought the choice."""
+    return getattr(normal_map, "convention", 'OPENGL') == 'DIRECTX'
+
+
 def has_vertex_normals(mesh: bpy.types.Mesh) -> bool:
     """Whether the faces at a vertex share one normal: all smooth, nothing sharp, nothing custom."""
     if VERSION >= (4, 1, 0):

@@ -99,6 +99,7 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
 
     def view_update(self, context, depsgraph):
         self._view().update(context, depsgraph)
+        self.tag_redraw()  # by scripts' changes Blender doesn't
 
     def view_draw(self, context, depsgraph):
         self._view().draw(context, depsgraph)

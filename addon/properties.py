@@ -7,9 +7,9 @@ from bpy.props import (
 )
 
 
-def _noticed(_settings, _context) -> None:
-    """Blender has viewports updated for what users change in panels; for what scripts set, only where there
-    is such a function, whatever it does."""
+def _noticed(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
+    """Has viewports updated where a script sets a property; Blender does so where the user does."""
+    settings.id_data.update_tag()
 
 
 class VerglasSceneSettings(bpy.types.PropertyGroup):

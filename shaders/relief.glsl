@@ -12,6 +12,7 @@ uniform bool has_normal_map;
 uniform sampler2D normal_map;
 uniform mat3 normal_axes;     // of its colours, to camera space; in tangent space of the object
 uniform bool tangent_space;
+uniform float normal_steepness;
 uniform float normal_strength;
 uniform bool has_bump;
 uniform sampler2D heights;
@@ -38,7 +39,7 @@ vec3 mirroring_normal_at(vec3 n, vec3 position) {
 vec3 bent_normal(vec3 n, vec3 position) {
     if (has_normal_map) {
         mat3 axes = tangent_space ? normal_axes * tangent_frame(object_normal, object_tangent) : normal_axes;
-        n = mapped_normal(n, axes, texture(normal_map, normal_uv).rgb, normal_strength);
+        n = mapped_normal(n, axes, texture(normal_map, normal_uv).rgb, normal_steepness, normal_strength);
     }
     if (has_bump) {
         vec2 rise = bump_distance * height_slope();

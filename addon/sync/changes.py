@@ -24,7 +24,8 @@ def _on_update(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
             if changed.type == 'META':
                 readings.note_metaballs()
         elif isinstance(changed, SHAPES):
-            readings.note_data(changed)
+            if update.is_updated_geometry:  # from 5.0 on they are told of for their materials, too
+                readings.note_data(changed)
         elif isinstance(changed, bpy.types.Image):
             images.note_change(changed)
 

@@ -170,7 +170,8 @@ def _set_relief(glass: Glass, node: nodes.Node, check_images: bool) -> None:
     glass.relief = relief_of(node, check_images)
     normals, heights = glass.relief
     if normals is not None:
-        glass.normal_map.space, glass.normal_map.strength = normals.space, normals.strength
+        glass.normal_map.space = normals.space
+        glass.normal_map.steepness, glass.normal_map.strength = normals.steepness, normals.strength
     if heights is not None:
         glass.bump_map.strength, glass.bump_map.distance = heights.strength, heights.distance
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .. import compat
 from . import nodes
 from .evaluation import expression_of
 from .expressions import Expression, Unsupported
@@ -15,7 +16,9 @@ class NormalColors(NamedTuple):
     colors: Expression
     space: str
     """as core.NormalMap's"""
+    steepness: float
     strength: float
+    """both as core.NormalMap's"""
     uv_map: str
     """along which the tangents go; '' for the mesh's own choice"""
 
@@ -81,6 +84,16 @@ def _normal_colors(node: nodes.Node, check_images: bool) -> NormalColors | None:
     if colors is None:
         return None
     space = node.node.space
-    if space.startswith('BLENDER_'):  # Y and Z the other way
-        colors = colors.then(lambda values: np.abs(values - (0.0, 1.0, 1.0)).astype(np.float32), space)
-    return NormalColors(colors, SPACES[space], strength, node.node.uv_map)
+    if space.startswith('BLENDER_'):
+        colors = _reversed(colors, (0.0, 1.0, 1.0))
+    if compat.is_directx(node.node):
+        colors = _reversed(colors, (0.0, 1.0, 0.0))
+    steepness = 1.0
+    if space == 'TANGENT' and compat.STRENGTH_STEEPENS_NORMAL_MAPS:
+        steepness, strength = strength, 1.0
+    return NormalColors(colors, SPACES[space], steepness, strength, node.node.uv_map)
+
+
+def _reversed(colors: Expression, axes: tuple[float, float, float]) -> Expression:
+    """Colours of normals that go the other way along those axes that are 1."""
+    return colors.then(lambda values: np.abs(values - axes).astype(np.float32), ("reversed", axes))

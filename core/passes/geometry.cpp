@@ -120,6 +120,7 @@ void GeometryPass::set_relief(const gl::Program& program, const Relief& relief, 
     program.set("has_normal_map", has_normal_map ? 1 : 0);
     if (has_normal_map) glBindTextureUnit(normals_unit, reliefs[map.texture].id());
     program.set("tangent_space", map.space == NormalSpace::Tangent ? 1 : 0);
+    program.set("normal_steepness", map.steepness);
     program.set("normal_strength", map.strength);
     const BumpMap& bump = relief.bump;
     const bool has_bump = bump.height && mesh.relief().has(bump);

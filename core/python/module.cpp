@@ -271,7 +271,8 @@ void bind_scene(py::module_& module) {
         .def_property_readonly("height", &Texture::height);
 
     py::class_<NormalMap> normal_map(module, "NormalMap");
-    normal_map.def_readwrite("strength", &NormalMap::strength);
+    normal_map.def_readwrite("steepness", &NormalMap::steepness)
+        .def_readwrite("strength", &NormalMap::strength);
     def_texture(normal_map, "texture", &NormalMap::texture);
     def_enum(normal_map, "space", &NormalMap::space, normal_space_names);
 

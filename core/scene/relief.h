@@ -17,7 +17,8 @@ enum class NormalSpace { Tangent, Object, World };
 struct NormalMap {
     std::shared_ptr<const VectorTexture> texture;  // colours 0 … 1 for -1 … 1; may be null
     NormalSpace space = NormalSpace::Tangent;
-    float strength = 1.0F;  // 0: the mesh's own normals, 1: the map's
+    float steepness = 1.0F;  // factor of the map's slopes in tangent space; 1 in others
+    float strength = 1.0F;   // 0: the mesh's own normals, 1: the map's
 
     bool operator==(const NormalMap&) const = default;
 };

@@ -411,7 +411,7 @@ glm::vec3 RayScene::Placed::bent_normal(const glm::vec3& n, const Relief& relief
         if (map.space == NormalSpace::Tangent)
             axes *= model::tangent_frame(point.mix(mesh->normals()), point.mix(places.tangents));
         const glm::vec3 color = map.texture->sample(point.mix(places.normal_uvs));
-        bent = model::mapped_normal(bent, axes, color, map.strength);
+        bent = model::mapped_normal(bent, axes, color, map.steepness, map.strength);
     }
     if (bump.height && places.has(bump)) {
         const glm::mat3 linear(matrix);

@@ -14,9 +14,15 @@ SHARED mat3 tangent_frame(vec3 normal, vec4 tangent) {
     return mat3(t, tangent.w * cross(normal, t), normal);
 }
 
-// axes: those of the map's colour. strength: 0 for n, 1 for the map's normal.
-SHARED vec3 mapped_normal(vec3 n, mat3 axes, vec3 color, float strength) {
-    vec3 mapped = unit_or(axes * (2.0f * color - 1.0f), n);
+// A tangent space map's direction, whose slopes are made steeper: Cycles' and EEVEE's strength from Blender 4.0 on.
+SHARED vec3 steepened(vec3 direction, float steepness) {
+    return vec3(steepness * direction.x, steepness * direction.y, 1.0f + min(steepness, 1.0f) * (direction.z - 1.0f));
+}
+
+// axes: those of the map's colour. steepness: as steepened's; 1 in other spaces. strength: 0 for n, 1 for the map's
+// normal.
+SHARED vec3 mapped_normal(vec3 n, mat3 axes, vec3 color, float steepness, float strength) {
+    vec3 mapped = unit_or(axes * steepened(2.0f * color - 1.0f, steepness), n);
     return unit_or(n + strength * (mapped - n), n);
 }
 

@@ -268,13 +268,18 @@ def render(scene: bpy.types.Scene) -> Picture:
     return next(iter(render_layers(scene).values()))
 
 
-def render_layers(scene: bpy.types.Scene) -> dict[str, Picture]:
-    """Renders through Blender into a multilayer EXR and reads it back, by name of view layer."""
+def write_layers(scene: bpy.types.Scene) -> None:
+    """Makes multilayer EXRs the format of what is saved."""
     settings = scene.render.image_settings
     if hasattr(settings, "media_type"):
         settings.media_type = 'MULTI_LAYER_IMAGE'
     settings.file_format = 'OPEN_EXR_MULTILAYER'
     settings.color_depth = '32'
+
+
+def render_layers(scene: bpy.types.Scene) -> dict[str, Picture]:
+    """Renders through Blender into a multilayer EXR and reads it back, by name of view layer."""
+    write_layers(scene)
     with tempfile.TemporaryDirectory() as folder:
         scene.render.filepath = os.path.join(folder, "picture.exr")
         bpy.ops.render.render(write_still=True, scene=scene.name)

@@ -133,9 +133,11 @@ def test_a_modifier_and_shape_keys(log, pair):
     assert log.sync() == (["First"], ["First"])
     first.modifiers.remove(modifier)
     first.shape_key_add(name="Basis")
-    first.shape_key_add(name="Key").data[0].co.z += 1.0
+    key = first.shape_key_add(name="Key")
+    key.data[0].co.z += 1.0
+    key.value = 0.0
     log.sync()
-    first.data.shape_keys.key_blocks["Key"].value = 1.0
+    key.value = 1.0
     assert log.sync() == (["First"], ["First"])
 
 

@@ -87,6 +87,8 @@ def test_alpha(scene, warned, mode, output, space):
                     operation='MULTIPLY')
     if (mode, output) == ('NONE', "Alpha"):
         pytest.skip("all 1")
+    if mode == 'PREMUL' and space == 'sRGB' and output != "Alpha" and bpy.app.version >= (5, 0, 0):
+        pytest.skip("Cycles takes bytes in memory, which are straight, for premultiplied ones")
     assert_as_cycles(scene, add_plane(textured(build)), warned, 0.006)
 
 
@@ -154,7 +156,8 @@ def test_vector_math(scene, warned, operation):
         tree.links.new(vector, node.inputs[0])
         for number, value in ((1, (0.7, 0.3, 0.9)), (2, (0.1, 0.0, 0.2))):
             node.inputs[number].default_value = value
-        node.inputs["Scale"].default_value = 1.3
+        if operation == 'SCALE':
+            node.inputs["Scale"].default_value = 1.3
         return next(output for output in node.outputs if output.enabled)
     assert_node_as_cycles(scene, warned, build, 0.01)
 
@@ -358,7 +361,9 @@ def test_white_noise(scene, warned, dimensions, output):
         uv = add_node(tree, "ShaderNodeTexCoord").outputs["UV"]
         many = link(tree, "ShaderNodeVectorMath", {0: uv}, operation='SCALE', Scale=6.0)
         tiles = link(tree, "ShaderNodeVectorMath", {0: many}, operation='FLOOR')
-        node = add_node(tree, "ShaderNodeTexWhiteNoise", noise_dimensions=dimensions, W=2.0)
+        node = add_node(tree, "ShaderNodeTexWhiteNoise", noise_dimensions=dimensions)
+        if dimensions == '4D':
+            node.inputs["W"].default_value = 2.0
         if dimensions == '1D':
             tree.links.new(link(tree, "ShaderNodeSeparateXYZ", {0: tiles}), node.inputs["W"])
         else:
@@ -609,9 +614,10 @@ def test_missing_file_is_named(scene, warned):
 
 @pytest.mark.parametrize("build, node", [
     (procedural("ShaderNodeTexImage"), "Image Texture"),
-    (procedural("ShaderNodeTexPointDensity"), "Point Density"),
+    pytest.param(procedural("ShaderNodeTexPointDensity"), "Point Density", marks=pytest.mark.skipif(
+        bpy.app.version >= (5, 0, 0), reason="5.0 took the node away")),
     (procedural("ShaderNodeTexChecker", "Window"), "Texture Coordinate"),
-    (image_chain(("ShaderNodeHueSaturation", {"number": 4})), "Hue Saturation Value"),
+    (image_chain(("ShaderNodeHueSaturation", {"number": 4})), bpy.types.ShaderNodeHueSaturation.bl_rna.name),
 ])
 def test_what_cannot_be_read_is_named(scene, warned, build, node):
     """Frost would be missing with no word of which node is at fault."""

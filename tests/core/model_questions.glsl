@@ -95,10 +95,11 @@ SHARED Answer answer_of_normal(vec3 n) {
     return answer;
 }
 
-// a: n, strength. b: colour. c: tangent. Answer: normal.
+// a: n, strength. b: colour, steepness. c: tangent. Answer: normal.
 SHARED Answer normal_of_map(Question question) {
     vec3 n = vec3(question.a);
-    return answer_of_normal(mapped_normal(n, tangent_frame(n, question.c), vec3(question.b), question.a.w));
+    mat3 axes = tangent_frame(n, question.c);
+    return answer_of_normal(mapped_normal(n, axes, vec3(question.b), question.b.w, question.a.w));
 }
 
 // a: n, strength. b, c: a vector in the surface, and how far the height rises along it. Answer: normal.

@@ -52,12 +52,28 @@ TEST_P(Relief, NormalMapLeansAlongTangentAndBitangent) {
         const float sign = i % 2 == 0 ? 1.0F : -1.0F;
         const float strength = i % 3 == 0 ? 0.5F : 1.0F;
         const vec3 lean = glm::normalize(vec3(0.3F, -0.5F, 0.8F));
-        questions.push_back({vec4(n, strength), vec4(0.5F + 0.5F * lean, 0.0F), vec4(t, sign)});
+        questions.push_back({vec4(n, strength), vec4(0.5F + 0.5F * lean, 1.0F), vec4(t, sign)});
         const vec3 mapped = lean.x * t + sign * lean.y * glm::cross(n, t) + lean.z * n;
         expected.push_back(glm::normalize(glm::mix(n, mapped, strength)));
     }
     const std::vector<vec3> found = normals(MODEL_FUNCTION(normal_of_map), questions);
     for (std::size_t i = 0; i < found.size(); ++i) EXPECT_LT(glm::distance(found[i], expected[i]), 1e-5F);
+}
+
+// A user loses: the strength of normal maps as EEVEE and, from 4.0 on, Cycles have it.
+TEST_P(Relief, NormalMapIsSteepened) {
+    const vec3 lean = glm::normalize(vec3(0.3F, -0.5F, 0.8F));
+    const vec4 n(0, 0, 1, 1);
+    const vec4 tangent(1, 0, 0, 1);
+    const std::vector<float> steepness = {0.0F, 0.4F, 1.0F, 2.5F};
+    std::vector<Question> questions;
+    for (const float s : steepness) questions.push_back({n, vec4(0.5F + 0.5F * lean, s), tangent});
+    const std::vector<vec3> found = normals(MODEL_FUNCTION(normal_of_map), questions);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const float s = steepness[i];
+        const vec3 expected(s * lean.x, s * lean.y, glm::mix(1.0F, lean.z, std::min(s, 1.0F)));
+        EXPECT_LT(glm::distance(found[i], glm::normalize(expected)), 1e-5F);
+    }
 }
 
 // The plane z = 0.3 x - 0.2 y over a flat surface has the normal (-0.3, 0.2, 1), measured along any two
@@ -83,8 +99,9 @@ TEST_P(Relief, BumpOfASlopeIsItsNormal) {
 TEST_P(Relief, WhatHasNoDirectionBendsNothing) {
     const vec4 n(0, 0, 1, 1);
     const vec4 tangent(1, 0, 0, 1);
-    const std::vector<vec3> mapped = normals(
-        MODEL_FUNCTION(normal_of_map), {{n, vec4(0.5F), tangent}, {n, vec4(0.5F, 0.5F, 1, 0), vec4(0)}});
+    const std::vector<vec3> mapped =
+        normals(MODEL_FUNCTION(normal_of_map),
+                {{n, vec4(0.5F, 0.5F, 0.5F, 1), tangent}, {n, vec4(0.5F, 0.5F, 1, 1), vec4(0)}});
     const std::vector<vec3> bumped =
         normals(MODEL_FUNCTION(normal_of_bump), {{n, vec4(0), vec4(0)},
                                                  {n, vec4(1, 0, 0, 0.5F), vec4(2, 0, 0, 1)},

@@ -87,8 +87,7 @@ def _camera(scene: bpy.types.Scene, view: np.ndarray, projection: np.ndarray,
 def last_frame() -> np.ndarray:
     """(H, W, 4), scene-linear: the final frame that Blender shows."""
     image = bpy.data.images["Render Result"]
-    scene = bpy.context.scene
-    scene.render.image_settings.file_format = 'OPEN_EXR_MULTILAYER'
+    scenes.write_layers(bpy.context.scene)
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "frame.exr")
         image.save_render(path)
@@ -111,7 +110,7 @@ def displayed(picture: np.ndarray) -> np.ndarray:
         image.save_render(path)
         bpy.data.images.remove(image)
         saved = bpy.data.images.load(path)
-        saved.colorspace_settings.name = 'Raw'
+        saved.colorspace_settings.name = 'Non-Color'
         pixels = np.empty(height * width * 4, np.float32)
         saved.pixels.foreach_get(pixels)
         bpy.data.images.remove(saved)
