@@ -10,6 +10,9 @@ import numpy as np
 from mathutils import Euler, Matrix
 from verglas import viewport
 
+SHOWN_AGAIN = ("tool_header",) if bpy.app.version >= (5, 0, 0) else ()
+"""Regions that have to be hidden twice, as they come again with the header's end."""
+
 Place = tuple[bpy.types.Area, bpy.types.Region]
 
 
@@ -76,7 +79,7 @@ def lay_out_one() -> None:
         with context_of(0):
             bpy.ops.view3d.localview()
     with context_of(0):
-        for name in ("header", "tool_header", "toolbar", "ui", "hud"):
+        for name in ("header", "tool_header", "toolbar", "ui", "hud", *SHOWN_AGAIN):
             setattr(space, f"show_region_{name}", False)
     space.overlay.show_overlays = False
     space.show_gizmo = False
