@@ -2,6 +2,7 @@
 """The VERGLAS render engine: final frames and a simple rendered viewport."""
 
 import bpy
+import numpy as np
 
 from . import compat, devices, faults, preview, renderer, sync, viewport
 from . import verglas_core as core
@@ -37,16 +38,18 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
             faults.report(self, fault)
             return
         if frame is not None:
-            self._write(frame, depsgraph.view_layer.name)
+            self._write(_passes(frame), depsgraph.view_layer.name)
 
     def _render_preview(self, depsgraph: bpy.types.Depsgraph) -> None:
         """A fault leaves the icon empty: it is told of where the user renders."""
         camera_object = depsgraph.scene_eval.camera
         try:
-            frame = preview.frame_of(depsgraph, camera_object, self.resolution_x, self.resolution_y)
+            picture = preview.picture_of(depsgraph, camera_object, self.resolution_x, self.resolution_y,
+                                         lambda *_: not self.test_break())
         except core.Error:
             return
-        self._write(frame, depsgraph.view_layer.name)
+        if picture is not None:
+            self._write({"Combined": picture}, depsgraph.view_layer.name)
 
     def _frame(self, depsgraph: bpy.types.Depsgraph) -> core.Frame | None:
         """None when the user has cancelled."""
@@ -75,7 +78,7 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
 
         while (before := tracer.samples) < samples:
             if before and not bpy.app.background:
-                self._write(tracer.frame(), view_layer)
+                self._write(_passes(tracer.frame()), view_layer)
             if not tracer.render(min(max(before, 1), samples - before), progress):
                 break
         return tracer.frame() if tracer.samples else None
@@ -88,9 +91,9 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
             self.update_stats("", f"Verglas | sample {done}/{total}")
         return not self.test_break()
 
-    def _write(self, frame: core.Frame, view_layer: str) -> None:
-        height, width = frame.depth.shape
-        pictures = {"Combined": frame.combined, "Depth": frame.depth, "Normal": frame.normal}
+    def _write(self, pictures: dict[str, np.ndarray], view_layer: str) -> None:
+        """pictures: (H, W) or (H, W, C) by their passes' names."""
+        height, width = pictures["Combined"].shape[:2]
         result = self.begin_result(0, 0, width, height, layer=view_layer)
         for render_pass in result.layers[0].passes:
             if render_pass.name in pictures:
@@ -108,6 +111,10 @@ class VerglasRenderEngine(bpy.types.RenderEngine):
         if self.viewport_view is None:
             self.viewport_view = viewport.View(self)
         return self.viewport_view
+
+
+def _passes(frame: core.Frame) -> dict[str, np.ndarray]:
+    return {"Combined": frame.combined, "Depth": frame.depth, "Normal": frame.normal}
 
 
 def register():

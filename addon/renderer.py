@@ -47,9 +47,9 @@ def render(device: str, scene: core.Scene, settings: core.Settings,
     return _made(_final, resolved(device)).render(scene, settings, progress)
 
 
-def render_preview(scene: core.Scene, settings: core.Settings) -> core.Frame:
-    """By the CPU. Raises core.Error."""
-    return _made(_previews, 'CPU').render(scene, settings)
+def render_preview(scene: core.Scene, settings: core.Settings, progress: Progress) -> core.Frame | None:
+    """By the CPU. None when progress ends it. Raises core.Error."""
+    return _made(_previews, 'CPU').render(scene, settings, progress)
 
 
 def resolved(device: str) -> str:

@@ -21,6 +21,9 @@ NDF_OF_DISTRIBUTION = {
 }
 """The core's distribution for a node's; SHARP has no roughness, so that either would do."""
 
+COLORS = ("Base Color", "Color")
+"""Names of shader nodes' own colour."""
+
 IOR_RANGE = (1.0 / 3.0, 3.0)
 """The indices of refraction that the core has tables for."""
 
@@ -51,6 +54,16 @@ def default_glass(name: str) -> Glass:
     glass.ior = 1.5
     glass.fresnel = True
     return glass
+
+
+def base_color(material: bpy.types.Material) -> np.ndarray:
+    """(3,) of its first shader node; what varies of it is left out. Without nodes that of Solid shading."""
+    if compat.uses_nodes(material) and (output := nodes.output_node(material.node_tree)):
+        for shader, groups in nodes.shader_nodes(nodes.Input(output.inputs["Surface"])):
+            node = nodes.Node(shader, groups, "", lambda _: None)
+            if node.input(*COLORS) is not None:
+                return node.color(*COLORS)
+    return np.array(material.diffuse_color[:3], np.float32)
 
 
 def from_blender(material: bpy.types.Material, warn: Warn, check_images: bool = False) -> Glass | None:
