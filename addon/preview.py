@@ -62,7 +62,7 @@ def _with_matte(background: np.ndarray, scene: core.Scene, depsgraph: bpy.types.
     color = _add_opaque(scene, depsgraph)
     if color is None:
         return background
-    of_preview.transparent = True
+    of_preview.background_alpha = 0.0
     frame = renderer.render_preview(scene, of_preview, progress)
     if frame is None:
         return None

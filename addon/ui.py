@@ -191,6 +191,8 @@ class VERGLAS_VIEW3D_PT_shading_lighting(bpy.types.Panel):
             row.template_icon_view(shading, "studio_light", scale_popup=3.0)
             column.prop(shading, "studiolight_rotate_z", text="Rotation")
             column.prop(shading, "studiolight_intensity")
+            column.prop(shading, "studiolight_background_alpha")
+            column.prop(shading, "studiolight_background_blur")
 
 
 _classes = (

@@ -107,6 +107,7 @@ class View:
         scene, region, view = context.scene, context.region, context.region_data
         wanted = settings.viewport(scene, region.width, region.height)
         wanted.region = camera.viewport_border(context, scene)
+        sync.set_background(wanted, context.space_data)
         device = renderer.resolved(devices.of_viewport(scene))
         asked = device, wanted, _numbers(view.view_matrix), _numbers(view.window_matrix)
         if asked == self._asked:

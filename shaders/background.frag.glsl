@@ -4,7 +4,8 @@
 #include "screen_space.glsl"
 
 uniform sampler2D shaded;
-uniform bool transparent;
+uniform float background_alpha;
+uniform float background_spread;
 
 layout(location = 0) out vec4 radiance;
 
@@ -12,8 +13,10 @@ void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     if (texelFetch(front_faces, at, 0).w >= 0.0)
         radiance = texelFetch(shaded, at, 0);
-    else if (transparent)
+    else if (background_alpha == 0.0)
         radiance = vec4(0.0);
-    else
-        radiance = vec4(incoming_radiance(view_direction(position_at(gl_FragCoord.xy, 1.0)), 0.0), 1.0);
+    else {
+        vec3 direction = view_direction(position_at(gl_FragCoord.xy, 1.0));
+        radiance = background_alpha * vec4(incoming_radiance(direction, background_spread), 1.0);
+    }
 }

@@ -10,9 +10,9 @@ from .. import verglas_core as core
 from ..faults import Warn
 from . import changes, images, objects, readings, viewports, world
 from .cache import Client
-from .viewports import view_state
+from .viewports import set_background, view_state
 
-__all__ = ["lock", "register", "scene_from", "unregister", "view_state"]
+__all__ = ["lock", "register", "scene_from", "set_background", "unregister", "view_state"]
 
 lock = threading.Lock()
 """Held while a scene is read: final frames and preview icons are read on threads of their own."""

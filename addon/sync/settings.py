@@ -46,7 +46,7 @@ def viewport(scene: bpy.types.Scene, width: int, height: int) -> core.Settings:
     settings.height = height
     settings.samples = scene.verglas.viewport_samples
     settings.filter_width = scene.verglas.filter_width
-    settings.transparent = scene.render.film_transparent
+    settings.background_alpha = 0.0 if scene.render.film_transparent else 1.0
     settings.transport = scene.verglas.transport
     settings.intersection = scene.verglas.intersection
     settings.tir = scene.verglas.tir

@@ -47,7 +47,7 @@ def has_studio_light(space: bpy.types.SpaceView3D) -> bool:
 
 
 def set_studio_light(scene: core.Scene, shading: bpy.types.View3DShading, warn: Warn) -> None:
-    """As Cycles and EEVEE place it, but that it is always seen in the background, too."""
+    """As Cycles and EEVEE place it."""
     path = _path(shading)
     try:
         environment = world.load_file(path, is_srgb=not path.lower().endswith((".exr", ".hdr")))
@@ -58,6 +58,15 @@ def set_studio_light(scene: core.Scene, shading: bpy.types.View3DShading, warn: 
     color = world.MISSING_COLOR if environment is None else np.ones(3)
     scene.environment_color = shading.studiolight_intensity * color
     scene.environment_rotation = _about_z(shading.studiolight_rotate_z)
+
+
+def set_background(settings: core.Settings, space: bpy.types.SpaceView3D) -> None:
+    """How a studio light is seen behind the objects. The spread for a blur is what comes closest to EEVEE's
+    pictures."""
+    if not has_studio_light(space):
+        return
+    settings.background_alpha *= space.shading.studiolight_background_alpha
+    settings.background_spread = min(space.shading.studiolight_background_blur ** 8, 0.25)
 
 
 def _path(shading: bpy.types.View3DShading) -> str:

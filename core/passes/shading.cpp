@@ -181,7 +181,8 @@ void BackgroundPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     set_environment(program_, inputs);
     set_screen_space(program_, inputs);
     set_texture(program_, "shaded", shaded_unit, shaded);
-    program_.set("transparent", inputs.settings.transparent ? 1 : 0);
+    program_.set("background_alpha", inputs.settings.background_alpha);
+    program_.set("background_spread", inputs.settings.background_spread);
     begin(target, inputs.view, region);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);

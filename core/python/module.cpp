@@ -413,7 +413,8 @@ void bind_settings(py::module_& module) {
         .def_readwrite("pixel_size", &Settings::pixel_size)
         .def_readwrite("filter_width", &Settings::filter_width)
         .def_readwrite("reflection", &Settings::reflection)
-        .def_readwrite("transparent", &Settings::transparent)
+        .def_readwrite("background_alpha", &Settings::background_alpha)
+        .def_readwrite("background_spread", &Settings::background_spread)
         .def_readwrite("roughness_classes", &Settings::roughness_classes)
         .def_readwrite("max_interfaces", &Settings::max_interfaces)
         .def_readwrite("threads", &Settings::threads);

@@ -61,8 +61,8 @@ enum class PathMode {
 struct Settings {
     glm::ivec2 size{512};
     std::optional<Rect> region;  // the part that is shaded and returned
-    // Pixels along each side of the squares that are shaded as one, for quick pictures of one sample; outlines
-    // are still those of the pixels.
+    // Pixels along each side of the squares that are shaded as one, for quick pictures of one sample;
+    // outlines are still those of the pixels.
     int pixel_size = 1;
     int samples = 16;
     float filter_width = 1.5F;  // of the Blackman-Harris filter, pixels
@@ -72,7 +72,9 @@ struct Settings {
     BackRoughness back_roughness = BackRoughness::Coverage;
     int roughness_classes = 4;  // at most, of a texture: 2 … 8
     bool reflection = true;
-    bool transparent = false;
+    // Of the world itself, where no object is before it. The colour is premultiplied by it.
+    float background_alpha = 1.0F;
+    float background_spread = 0.0F;  // of the lobe that blurs it: 1 - its mean resultant length
     // Of TracedRenderer.
     PathMode paths = PathMode::Full;
     int max_interfaces = 8;  // that a ray of the first sample crosses

@@ -211,15 +211,16 @@ void BundleTracer::see(View& view) const {
     view.hits.resize(view.rays.size());
     scene_.rays().intersect(view.rays, view.hits);
     view.backgrounds.assign(view.rays.size(), glm::vec3(0.0F));
-    if (settings_.transparent) return;
+    if (settings_.background_alpha == 0.0F) return;
     view.directions.clear();
     for (std::size_t i = 0; i < view.rays.size(); ++i)
         if (view.hits[i].object < 0) view.directions.push_back(view.rays[i].d);
     view.radiances.resize(view.directions.size());
-    scene_.incoming_radiance(view.directions, model::LOBE_MIN_SPREAD, view.radiances);
+    const float spread = std::max(settings_.background_spread, model::LOBE_MIN_SPREAD);
+    scene_.incoming_radiance(view.directions, spread, view.radiances);
     auto radiance = view.radiances.begin();
     for (std::size_t i = 0; i < view.rays.size(); ++i)
-        if (view.hits[i].object < 0) view.backgrounds[i] = *radiance++;
+        if (view.hits[i].object < 0) view.backgrounds[i] = settings_.background_alpha * *radiance++;
 }
 
 // From the camera to the first interfaces.

@@ -259,7 +259,8 @@ void ProgressivePicture::resolve(const Rect& tile, Frame& frame) const {
 void ProgressivePicture::resolve_pixel(glm::ivec2 pixel, const glm::vec3& radiance, float covered,
                                        Frame& frame) const {
     const std::size_t place = rect_.place(pixel);
-    frame.combined[place] = glm::vec4(radiance, settings_.transparent ? covered : 1.0F);
+    frame.combined[place] =
+        glm::vec4(radiance, 1.0F - (1.0F - covered) * (1.0F - settings_.background_alpha));
     frame.normal_depth[place] = glm::vec4(surface(pixel).normal, surface(pixel).depth);
 }
 

@@ -67,7 +67,7 @@ void UpscaledPicture::set_edge(glm::ivec2 pixel, const BundleTracer::Sight& sigh
 void UpscaledPicture::set(glm::ivec2 pixel, const glm::vec3& radiance, const Surface& surface,
                           Frame& frame) const {
     const std::size_t place = rect_.place(pixel);
-    frame.combined[place] = glm::vec4(radiance, settings_.transparent && surface.object < 0 ? 0.0F : 1.0F);
+    frame.combined[place] = glm::vec4(radiance, surface.object < 0 ? settings_.background_alpha : 1.0F);
     frame.normal_depth[place] = glm::vec4(surface.normal, surface.depth);
 }
 

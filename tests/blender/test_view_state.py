@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scenes import add_sphere, frosted, set_background, world_map
 from verglas import sync
-from verglas.sync import meshes
+from verglas.sync import meshes, settings
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -92,6 +92,25 @@ def test_studio_light(spaces):
     shading.studiolight_intensity, shading.studiolight_rotate_z = 1.0, 0.0
     other = scene_of(spaces[1])
     assert other.environment_map is None
+
+
+def test_studio_light_behind_the_objects(spaces):
+    """The popover's Background and Blur would do nothing; the scene's own world would be faint."""
+    def background() -> tuple[float, float]:
+        wanted = settings.viewport(bpy.context.scene, 64, 64)
+        sync.set_background(wanted, spaces[0])
+        return wanted.background_alpha, wanted.background_spread
+    shading = spaces[0].shading
+    shading.studiolight_background_alpha, shading.studiolight_background_blur = 0.3, 0.5
+    assert background() == (1.0, 0.0)
+    shading.use_scene_world_render = False
+    alpha, blurred = background()
+    shading.studiolight_background_blur = 0.2
+    _, sharper = background()
+    shading.studiolight_background_blur = 0.0
+    assert alpha == pytest.approx(0.3) and 0.2 > blurred > 10.0 * sharper > 0.0 and background()[1] == 0.0
+    bpy.context.scene.render.film_transparent = True
+    assert background()[0] == 0.0
 
 
 def test_studio_light_that_nobody_chose(spaces):

@@ -141,7 +141,7 @@ TEST(TracedRenderer, RegionIsAPartOfTheWhole) {
         for (const int samples : {1, 5}) {
             Settings settings = settings_of(64, samples);
             settings.filter_width = filter_width;
-            settings.transparent = true;
+            settings.background_alpha = 0.0F;
             const Frame whole = *renderer.render(scene, settings);
             for (const Rect& region : {Rect{{20, 17}, {45, 40}}, Rect{{0, 40}, {21, 64}},
                                        Rect{{40, 0}, {64, 3}}, Rect{{31, 31}, {32, 32}}}) {
@@ -529,7 +529,7 @@ TEST(TracedRenderer, EdgesAreSmoothAndTransparent) {
     const double radius = 0.5 * size / half_width;
     for (const int samples : {1, 2, 5, 33}) {
         Settings settings = settings_of(size, samples);
-        settings.transparent = true;
+        settings.background_alpha = 0.0F;
         const Frame frame = render(scene, settings);
         double area = 0.0;
         double squared = 0.0;

@@ -56,14 +56,28 @@ def test_region_is_a_part_of_the_whole(renderer, glass_sphere):
 
 def test_transparent_film(renderer, glass_sphere):
     """A compositor loses: pictures without background, glass opaque in alpha as in Cycles."""
-    frame = renderer.render(glass_sphere, settings_of(transparent=True))
+    frame = renderer.render(glass_sphere, settings_of(background_alpha=0.0))
     inside = frame.depth < 1e9
     assert (frame.combined[inside][:, 3] == 1).all() and not frame.combined[~inside].any()
 
 
+@pytest.mark.parametrize("make", [verglas.Renderer, verglas.TracedRenderer])
+def test_background_in_part(make, glass_sphere):
+    """A user loses: a studio light that lights the glass but is faint behind it. A lobe takes of what
+    is linear in the direction the part that its mean resultant length is."""
+    sharp, faint = (make().render(glass_sphere, settings_of(**values)) for values in (
+        {}, {"background_alpha": 0.25, "background_spread": 0.4}))
+    alpha = faint.combined[..., 3]
+    inside, outside = alpha == 1.0, alpha == 0.25
+    assert inside.mean() > 0.2 and outside.mean() > 0.2 and alpha.min() == 0.25
+    assert np.array_equal(faint.combined[inside], sharp.combined[inside])
+    blurred = 0.5 + 0.6 * (sharp.combined[outside][:, :3] - 0.5)
+    assert faint.combined[outside][:, :3] == pytest.approx(0.25 * blurred, abs=4e-3)  # levels lie apart
+
+
 def test_samples_smooth_the_rim(renderer, glass_sphere):
     """A user loses: antialiasing: the rim's alpha takes values between 0 and 1."""
-    alpha = renderer.render(glass_sphere, settings_of(samples=8, transparent=True)).combined[..., 3]
+    alpha = renderer.render(glass_sphere, settings_of(samples=8, background_alpha=0.0)).combined[..., 3]
     assert ((alpha > 0.05) & (alpha < 0.95)).sum() > 50
 
 
