@@ -10,6 +10,7 @@ TRANSMISSION = ("Transmission Weight", "Transmission")
 """Names of Principled BSDF's transmission input; it was renamed in 4.0."""
 
 ADOPTED_PANELS = (
+    'DATA_PT_EEVEE_light',
     'EEVEE_MATERIAL_PT_context_material',
     'EEVEE_MATERIAL_PT_surface',
     'EEVEE_MATERIAL_PT_volume',

@@ -30,7 +30,7 @@ def picture_of(depsgraph: bpy.types.Depsgraph, camera_object: bpy.types.Object, 
         else:
             scene.environment_map = _studio()
             scene.environment_color = (1.0, 1.0, 1.0)
-        objects.add_objects(scene, depsgraph, _ignore)
+        objects.add_objects(scene, depsgraph, _ignore, with_lights=False)
     scene.camera = camera.from_blender(camera_object, depsgraph, width, height, _ignore)
     of_preview = settings.viewport(depsgraph.scene_eval, width, height)
     of_preview.samples = SAMPLES

@@ -157,6 +157,36 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
 
 
 class VerglasMaterialSettings(bpy.types.PropertyGroup):
+    kind: EnumProperty(
+        name="Kind",
+        description="What is behind the surface",
+        items=(
+            ('SOLID', "Solid", "Glass that fills the object"),
+            ('PANE', "Thin Pane",
+             "A sheet of glass with two rough sides, as window glass, bulbs and packaging. The mesh is the "
+             "sheet, open or closed; its normals show to the outer side, of the shader node's roughness"),
+        ),
+        default='SOLID',
+        update=_noticed,
+    )
+    inner_roughness: FloatProperty(
+        name="Inner Roughness",
+        description="Of the other side, where the mesh's normals don't show to",
+        default=0.25, min=0.0, max=1.0, subtype='FACTOR',
+        update=_noticed,
+    )
+    inner_image: PointerProperty(
+        name="Inner Image",
+        description="Roughness of the other side in place of the value: brightness over the default UV map",
+        type=bpy.types.Image,
+        update=_noticed,
+    )
+    inner_reflections: BoolProperty(
+        name="Inner Reflections",
+        description="Add the light that is reflected between both sides",
+        default=True,
+        update=_noticed,
+    )
     ndf: EnumProperty(
         name="Distribution",
         description="Distribution of microfacet normals",

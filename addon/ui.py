@@ -10,10 +10,13 @@ from . import compat, devices, faults
 ENGINE = 'VERGLAS'
 
 EXCLUDED_PANELS = {
+    'DATA_PT_area',
+    'DATA_PT_falloff_curve',
+    'DATA_PT_light',
     'DATA_PT_camera_stereoscopy',
     'RENDER_PT_stereoscopy',
 }
-"""Built-in panels for what Verglas doesn't support."""
+"""Built-in panels for what Verglas doesn't support, or has another one for."""
 
 DEVICES = {'OPENGL': "OpenGL", 'CPU': "the CPU"}
 """As the user reads them."""
@@ -163,10 +166,16 @@ class VERGLAS_MATERIAL_PT_glass(VerglasPanel, bpy.types.Panel):
 
     def draw_settings(self, context, layout):
         settings = context.material.verglas
+        layout.prop(settings, "kind")
         layout.prop(settings, "ndf")
-        layout.prop(settings, "absorption_color")
-        layout.prop(settings, "absorption_density")
-        layout.prop(settings, "priority")
+        if settings.kind == 'PANE':
+            layout.prop(settings, "inner_roughness")
+            layout.template_ID(settings, "inner_image", open="image.open")
+            layout.prop(settings, "inner_reflections")
+        else:
+            layout.prop(settings, "absorption_color")
+            layout.prop(settings, "absorption_density")
+            layout.prop(settings, "priority")
         layout.prop(settings, "bake_resolution")
 
 
@@ -184,6 +193,7 @@ class VERGLAS_VIEW3D_PT_shading_lighting(bpy.types.Panel):
     def draw(self, context):
         shading = context.space_data.shading
         column = self.layout.column()
+        column.prop(shading, "use_scene_lights_render")
         column.prop(shading, "use_scene_world_render")
         if not shading.use_scene_world_render:
             row = column.row()

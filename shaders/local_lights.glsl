@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The scene's lights, in camera space; see LightCache of core/passes/gpu_scene.h.
+#include "environment.glsl"
 #include "lib/constants.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/spherical_gaussian.glsl"
@@ -15,14 +16,20 @@ struct LightData {
 layout(std430, binding = 2) readonly buffer Lights { LightData lights[]; };
 uniform int light_count;
 
-// Under a lobe that leaves a surface; side: as for light_radiance.
-vec3 local_radiance(vec3 position, vec3 direction, float spread, vec3 side) {
-    vec3 sum = vec3(0.0);
+// Where a lobe leaves a surface.
+struct Place {
+    vec3 position;
+    vec3 side;  // unit normal, to where it leaves
+};
+
+// All light under a lobe about a unit direction: of the environment and of the lights.
+vec3 incoming_radiance(Place place, vec3 direction, float spread) {
+    vec3 sum = incoming_radiance(direction, spread);
     for (int i = 0; i < light_count; ++i) {
         LightData data = lights[i];
         LocalLight light =
             LocalLight(int(data.axis.w), data.place.xyz, data.place.w, data.axis.xyz, data.intensity.xyz);
-        sum += light_radiance(light, position, direction, spread, side);
+        sum += light_radiance(light, place.position, direction, spread, place.side);
     }
     return sum;
 }

@@ -5,7 +5,7 @@
 // exits are searched in four layers of the geometry, BOUNCE where rays are followed after they are reflected inside
 // (bounce.glsl), FRONT_ROUGHNESS where textures make roughness vary, and CLASSES
 // and CLASS_LAYERS (coverage.glsl) where its classes on the back count.
-#include "environment.glsl"
+#include "local_lights.glsl"
 #include "screen_space.glsl"
 #include "lobe_tables.glsl"
 #include "coverage.glsl"
@@ -85,13 +85,16 @@ Lobe mirrored_lobe(vec3 d, vec3 n, float roughness, Material material) {
 #endif
 }
 
+// Where the lobes that are looked up leave: all of a pixel's refracted ones at the exit of its axis.
+Place place = Place(vec3(0.0), vec3(0.0));
+
 bool has_tail(Material material) { return material.absorption.w > 0.0; }
 
 // Under a lobe and, where it has one, its tail.
 vec3 incoming_radiance(Lobe lobe, bool tail) {
-    if (!tail) return incoming_radiance(lobe.direction, lobe.spread);
-    return mix(incoming_radiance(lobe.direction, widened_spread(lobe.spread, CORE_WIDTH)),
-               incoming_radiance(lobe.direction, widened_spread(lobe.spread, TAIL_WIDTH)), TAIL_SHARE);
+    if (!tail) return incoming_radiance(place, lobe.direction, lobe.spread);
+    return mix(incoming_radiance(place, lobe.direction, widened_spread(lobe.spread, CORE_WIDTH)),
+               incoming_radiance(place, lobe.direction, widened_spread(lobe.spread, TAIL_WIDTH)), TAIL_SHARE);
 }
 
 vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorption * distance_inside); }
@@ -157,7 +160,7 @@ ClassSums add_ray(ClassSums sums, Lobe lobe, float table_x, vec3 color, Coverage
 // A class of lobes of one spread.
 vec3 incoming_radiance(float energy, vec3 vector, float spread) {
     Lobe lobe = lobe_from_moments(Moments(energy, (1.0 - spread) * vector, mat3(0.0)));
-    return incoming_radiance(lobe.direction, lobe.spread);
+    return incoming_radiance(place, lobe.direction, lobe.spread);
 }
 
 // Each class with the spread that its lobe has in the mean of the angles of incidence. behind: of the exits.
@@ -207,7 +210,7 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
 #else
 vec3 incoming_radiance(WideLobe lobe) {
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < EXIT_TAPS; ++i) sum += incoming_radiance(tap_direction(lobe, i), lobe.spread);
+    for (int i = 0; i < EXIT_TAPS; ++i) sum += incoming_radiance(place, tap_direction(lobe, i), lobe.spread);
     return sum / float(EXIT_TAPS);
 }
 
@@ -319,7 +322,7 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         float kappa = kappa_G * kappa_D / (kappa_G + kappa_D);
         float roughness = min(pow(2.0 / kappa, 0.25), 1.0);
         Lobe lobe = leaving_lobe(front.direction, outward, roughness, behind);
-        sum += ratio * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+        sum += ratio * lobe.energy * incoming_radiance(place, lobe.direction, lobe.spread);
     }
     return front.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) * sum;
 }
@@ -344,7 +347,7 @@ vec3 transport(Material material, Lobe front, vec3 origin, vec3 n, Exit axis) {
         Lobe straight_back = leaving_lobe(-n, -n, roughness_of_class(behind, c), behind);
         lobe.spread = depth_mip_spread(straight_front.spread, straight_back.spread, axis.t, bound);
 #endif
-        sum += ratio * lobe.energy * incoming_radiance(lobe.direction, lobe.spread);
+        sum += ratio * lobe.energy * incoming_radiance(place, lobe.direction, lobe.spread);
     }
     return front.energy * behind.color_roughness.rgb * transmittance(material.absorption.rgb, axis.t) * sum;
 }
@@ -365,16 +368,19 @@ void main() {
     vec3 sum;
     if (behind.w < 0.0) {
         // An open surface without a back: light never leaves the glass again.
-        sum = front.energy * incoming_radiance(front.direction, front.spread);
+        place = Place(origin, -n);
+        sum = front.energy * incoming_radiance(place, front.direction, front.spread);
     } else {
         float thickness = max(behind.z - face.z, 0.0) / max(-front.direction.z, 0.1);
         Exit guess = Exit(min(thickness, bound), behind);
         Exit axis = find_exit(origin, front.direction, guess, AXIS_STEPS);
+        place = Place(origin + axis.t * front.direction, decode_normal(axis.face.xy));
         sum = transport(material, front, origin, n, axis);
     }
     sum *= material.color_roughness.rgb;
     if (reflection && has_fresnel(material)) {
         Lobe mirror = mirrored_lobe(d, n, roughness, material);
+        place = Place(origin, n);
         sum += mirror.energy * material.reflection_ior.rgb * incoming_radiance(mirror, has_tail(material));
     }
     radiance = vec4(sum, 1.0);

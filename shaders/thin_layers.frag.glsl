@@ -2,7 +2,6 @@
 // Shades what is seen of the thin layers of one group of objects: panes and coated surfaces. All light comes from the
 // environment and the lights; what lies behind a pane isn't known here.
 #define THIN_LAYERS
-#include "environment.glsl"
 #include "local_lights.glsl"
 #include "screen_space.glsl"
 #include "lobe_tables.glsl"
@@ -15,16 +14,6 @@ uniform sampler2D front_roughness;
 uniform bool reflection;
 
 layout(location = 0) out vec4 radiance;
-
-// Where lobes leave the layer.
-struct Place {
-    vec3 position;
-    vec3 side;  // unit normal, to where they leave
-};
-
-vec3 incoming_radiance(Place place, vec3 direction, float spread) {
-    return incoming_radiance(direction, spread) + local_radiance(place.position, direction, spread, place.side);
-}
 
 vec3 incoming_radiance(Place place, WideLobe lobe, float width) {
     float spread = widened_spread(lobe.spread, width);

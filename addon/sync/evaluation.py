@@ -30,6 +30,22 @@ def expression_of(found: nodes.Input, check_images: bool = False, kind: str = 'V
                       (3,) if kind == 'RGBA' else ())
 
 
+def expression_of_image(image: bpy.types.Image, check_images: bool) -> Expression:
+    """An image's brightness over the default UV map. check_images: as images.picture's. Raises
+    images.Unreadable."""
+    picture = images.picture(image, check_images)
+    placed = Image(picture, 'EXTEND' if image.source == 'TILED' else 'REPEAT', 'Linear')
+    placement = Placement('', ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))).within(picture)
+    rgba = _at_placement(placed, placement,
+                         lambda uv: images.sample(picture.rgba, uv, placed.extension, placed.interpolation))
+
+    def evaluate(points: Points) -> np.ndarray:
+        color = rgba(points)[:, :3]
+        return (images.linear_from_srgb(color) if picture.is_srgb else color) @ nodes.LUMINANCE
+    return Expression(evaluate, ('VALUE', picture.key, placement), frozenset(), frozenset({placement}),
+                      (placed,), not picture.is_srgb)
+
+
 # Inputs and coordinates
 
 def _own(reader: Reader, output: bpy.types.NodeSocket, _) -> Function:
@@ -182,7 +198,11 @@ def _placed(reader: Reader, image: Image, placement: Placement,
     compiler.placements.add(placement)
     compiler.placed.append(image)
     compiler.keys.append(placement)
+    return _at_placement(image, placement, look_up)
 
+
+def _at_placement(image: Image, placement: Placement,
+                  look_up: Callable[[np.ndarray], np.ndarray]) -> Function:
     def evaluate(points: Points) -> np.ndarray:
         if points.image_uv is None:
             return look_up(placement.apply(points.leaf(('UV', placement.uv_map))))

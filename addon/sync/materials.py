@@ -9,8 +9,8 @@ import numpy as np
 from .. import compat
 from .. import verglas_core as core
 from ..faults import Warn
-from . import expressions, nodes
-from .evaluation import expression_of
+from . import expressions, images, nodes
+from .evaluation import expression_of, expression_of_image
 from .relief import Relief, relief_of
 
 NDF_OF_DISTRIBUTION = {
@@ -33,6 +33,8 @@ class Glass(core.Material):
 
     roughness_map: expressions.Expression | None = None
     """in place of roughness where it varies"""
+    inner_roughness_map: expressions.Expression | None = None
+    """in place of that of its layer where it varies"""
     relief = Relief()
     """what bends the normals"""
     bake_resolution = 1024
@@ -43,6 +45,7 @@ class Glass(core.Material):
         """Equal where the same textures stand for what varies; a value's change leaves it as it is."""
         normals, heights = self.relief
         return (self.roughness_map and self.roughness_map.key,
+                self.inner_roughness_map and self.inner_roughness_map.key,
                 normals and (normals.colors.key, normals.space, normals.uv_map),
                 heights and heights.heights.key, self.bake_resolution)
 
@@ -72,13 +75,13 @@ def from_blender(material: bpy.types.Material, warn: Warn, check_images: bool = 
     if not compat.uses_nodes(material):
         warn(f"{owner} doesn't use nodes; it is rendered as glass of roughness 0.25.")
         glass = default_glass(material.name)
-        _apply_panel(material, glass, has_volume=False)
+        _apply_panel(material, glass, warn, check_images, has_volume=False)
         return glass
     output = nodes.output_node(material.node_tree)
     glass = _surface(material, output, owner, warn, check_images) if output else None
     if glass is not None:
         has_volume = _volume(output, glass, owner, warn)
-        _apply_panel(material, glass, has_volume)
+        _apply_panel(material, glass, warn, check_images, has_volume)
         _warn_of_displacement(output, owner, warn)
     return glass
 
@@ -211,15 +214,32 @@ def _volume(output: bpy.types.Node, glass: Glass, owner: str, warn: Warn) -> boo
     return bool(volumes)
 
 
-def _apply_panel(material: bpy.types.Material, glass: Glass, has_volume: bool) -> None:
+def _apply_panel(material: bpy.types.Material, glass: Glass, warn: Warn, check_images: bool,
+                 has_volume: bool) -> None:
     """What the Verglas panel adds to the nodes."""
     settings = material.verglas
+    if settings.kind == 'PANE':
+        _apply_pane(material, glass, warn, check_images)
     if settings.ndf != 'NODES':
         glass.ndf = settings.ndf
     if settings.absorption_density > 0.0 and not has_volume:
         glass.absorption = _absorption(np.array(settings.absorption_color), settings.absorption_density)
     glass.priority = settings.priority
     glass.bake_resolution = int(settings.bake_resolution)
+
+
+def _apply_pane(material: bpy.types.Material, glass: Glass, warn: Warn, check_images: bool) -> None:
+    settings = material.verglas
+    glass.kind = 'PANE'
+    glass.layer.roughness = settings.inner_roughness
+    glass.layer.inner_reflections = settings.inner_reflections
+    if settings.inner_image is None:
+        return
+    try:
+        glass.inner_roughness_map = expression_of_image(settings.inner_image, check_images)
+    except images.Unreadable as fault:
+        warn(f"Material '{material.name}' takes its inner roughness from image "
+             f"'{settings.inner_image.name}', which {fault}; its own value is used.")
 
 
 def _absorption(color: np.ndarray, density: float) -> np.ndarray:

@@ -9,14 +9,13 @@ import numpy as np
 
 from .. import verglas_core as core
 from ..faults import Warn
-from . import materials, meshes, painting, tangents, viewports
+from . import lights, materials, meshes, painting, tangents, viewports
 from .readings import Reading, Readings
 
 UNSUPPORTED = {
     'CURVES': "Hair curves",
     'GPENCIL': "Grease pencil",
     'GREASEPENCIL': "Grease pencil",
-    'LIGHT': "Light",
     'POINTCLOUD': "Point cloud",
     'VOLUME': "Volume",
 }
@@ -24,10 +23,10 @@ UNSUPPORTED = {
 
 
 def add_objects(scene: core.Scene, depsgraph: bpy.types.Depsgraph, warn: Warn,
-                space: bpy.types.SpaceView3D | None = None) -> None:
+                space: bpy.types.SpaceView3D | None = None, with_lights: bool = True) -> None:
     """Adds all that the view layer renders or, with a space, that this viewport shows. Curves, surfaces, text
     and metaballs come as instances of type MESH as well, made by Blender; only those count."""
-    sync = _Sync(scene, depsgraph, warn)
+    sync = _Sync(scene, depsgraph, warn, with_lights)
     for instance in depsgraph.object_instances:
         if instance.show_self:
             sync.add(instance, space)
@@ -38,6 +37,7 @@ class _Painted(NamedTuple):
     """What varies of a material, on the triangles of a slot."""
     warnings: tuple[str, ...]
     roughness: painting.Painting | None
+    inner_roughness: painting.Painting | None
     normals: painting.Painting | None
     tangents: np.ndarray | None
     """(T, 3, 4), where the normals are in tangent space"""
@@ -46,16 +46,18 @@ class _Painted(NamedTuple):
     @property
     def coordinates(self) -> dict[str, np.ndarray]:
         """By their names in meshes.TEXTURE_COORDINATES."""
-        paintings = {"uvs": self.roughness, "normal_uvs": self.normals, "height_uvs": self.heights}
+        paintings = {"uvs": self.roughness or self.inner_roughness, "normal_uvs": self.normals,
+                     "height_uvs": self.heights}
         found = {name: painted.uvs for name, painted in paintings.items() if painted is not None}
         return found if self.tangents is None else {**found, "tangents": self.tangents}
 
     @property
     def textures(self) -> tuple[core.Texture | core.VectorTexture | None, ...]:
-        return tuple(painted and painted.texture for painted in (self.roughness, self.normals, self.heights))
+        paintings = (self.roughness, self.inner_roughness, self.normals, self.heights)
+        return tuple(painted and painted.texture for painted in paintings)
 
 
-_NOT_PAINTED = _Painted((), None, None, None, None)
+_NOT_PAINTED = _Painted((), None, None, None, None, None)
 
 
 class _Model(NamedTuple):
@@ -68,8 +70,9 @@ class _Model(NamedTuple):
 class _Sync:
     """One pass over the instances, with what they share."""
 
-    def __init__(self, scene: core.Scene, depsgraph: bpy.types.Depsgraph, warn: Warn):
+    def __init__(self, scene: core.Scene, depsgraph: bpy.types.Depsgraph, warn: Warn, with_lights: bool):
         self.scene = scene
+        self.with_lights = with_lights
         self.warn = warn
         self.depsgraph = depsgraph
         self.material_override = depsgraph.view_layer_eval.material_override
@@ -87,6 +90,8 @@ class _Sync:
         is_shown = space is None or viewports.shows(space, obj)
         if obj.type in UNSUPPORTED and is_shown:
             self.warn(f"{UNSUPPORTED[obj.type]} '{obj.name}' isn't supported yet; it is left out.")
+        if obj.type == 'LIGHT' and self.with_lights and is_shown:
+            lights.add(self.scene, obj, np.array(instance.matrix_world), self.warn)
         if obj.type != 'MESH':
             return
         self.readings.touch(obj)
@@ -156,14 +161,15 @@ class _Sync:
             surface = meshes.Surface(obj, reading.arrays, slot, warnings.append)
             normals, of_tangents = self._normals(surface, glass, warnings.append)
             heights = glass.relief.heights
-            roughness = glass.roughness_map and painting.paint(glass.roughness_map, surface,
-                                                               glass.bake_resolution)
+            roughness, inner_roughness = painting.paint_both(
+                glass.roughness_map, glass.inner_roughness_map, surface, glass.bake_resolution)
             painted = heights and painting.paint(heights.heights, surface, glass.bake_resolution,
                                                  has_slopes=True)
-            return _Painted(tuple(warnings), roughness, normals, of_tangents, painted)
+            return _Painted(tuple(warnings), roughness, inner_roughness, normals, of_tangents, painted)
 
         glass = self.glasses[material]
-        if glass.roughness_map is None and glass.relief == (None, None):
+        maps = (glass.roughness_map, glass.inner_roughness_map, *glass.relief)
+        if all(each is None for each in maps):
             return _NOT_PAINTED
         painted = reading.get(self._paint_key(obj, slot, material), make)
         for sentence in painted.warnings:
@@ -191,7 +197,8 @@ class _Sync:
         key = (material, painted.textures)
         if key not in self.material_indices:
             glass = self.glasses[material]
-            glass.roughness_texture, glass.normal_map.texture, glass.bump_map.height = painted.textures
+            (glass.roughness_texture, glass.layer.roughness_texture,
+             glass.normal_map.texture, glass.bump_map.height) = painted.textures
             self.material_indices[key] = self.scene.add_material(glass)
         return self.material_indices[key]
 

@@ -50,6 +50,16 @@ def paint(expression: Expression, surface: Surface, resolution: int, has_slopes:
     return _baked(expression, surface, resolution, margin=1 if has_slopes else 0)
 
 
+def paint_both(first: Expression | None, second: Expression | None, surface: Surface,
+               resolution: int) -> tuple[Painting | None, Painting | None]:
+    """Two that have the same coordinates; None for None."""
+    painted = tuple(each and paint(each, surface, resolution) for each in (first, second))
+    if None in painted or np.array_equal(painted[0].uvs, painted[1].uvs):
+        return painted
+    # With margins both have the same atlas, whatever they are
+    return tuple(_baked(each, surface, resolution, margin=1) for each in (first, second))
+
+
 def _constant(expression: Expression, surface: Surface) -> Painting:
     texture = _texture(("constant", expression.key), surface.name,
                        lambda: expression.at(Points({}), 1)[None], 'EXTEND')

@@ -12,8 +12,9 @@ from .. import verglas_core as core
 from ..faults import Warn
 from . import world
 
-TYPES = {'CURVE': "curve", 'FONT': "font", 'MESH': "mesh", 'META': "meta", 'SURFACE': "surf"}
-"""The viewport's properties show_object_viewport_* of object types that have meshes."""
+TYPES = {'CURVE': "curve", 'FONT': "font", 'LIGHT': "light", 'MESH': "mesh", 'META': "meta",
+         'SURFACE': "surf"}
+"""The viewport's properties show_object_viewport_* of object types that are rendered."""
 
 DEFAULT_STUDIO_LIGHT = "forest.exr"
 
@@ -27,14 +28,20 @@ def view_state(space: bpy.types.SpaceView3D) -> Hashable:
     shown = None
     if space.local_view is not None or space.use_local_collections:
         shown = tuple(obj.visible_in_viewport_get(space) for obj in bpy.context.view_layer.objects)
-    return light, _shown_types(space), shown
+    return light, _has_scene_lights(space), _shown_types(space), shown
 
 
 def shows(space: bpy.types.SpaceView3D, obj: bpy.types.Object) -> bool:
     """obj: of an instance, which goes with its instancer."""
     kind = TYPES.get(obj.original.type)
+    if kind == "light" and not _has_scene_lights(space):
+        return False
     return obj.visible_in_viewport_get(space) and (
         kind is None or getattr(space, f"show_object_viewport_{kind}"))
+
+
+def _has_scene_lights(space: bpy.types.SpaceView3D) -> bool:
+    return space.shading.type != 'RENDERED' or space.shading.use_scene_lights_render
 
 
 def _shown_types(space: bpy.types.SpaceView3D) -> tuple[bool, ...]:

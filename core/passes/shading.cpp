@@ -126,6 +126,7 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     const gl::Program& shader = program(inputs.settings, inputs.front.roughness_data(), classes);
     shader.use();
     set_environment(shader, inputs);
+    set_lights(shader, inputs.lights);
     set_screen_space(shader, inputs);
     set_texture(shader, "back_faces", back_unit, back.farthest.texels());
     set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());

@@ -49,7 +49,7 @@ def _row(window: blender_window.Window, method: str, plan: Plan) -> Row:
     window.call("edits.set_setting", "device", DEVICES[method])
     window.settle()
     drawings, pictures, seconds = _turn(window, plan.viewport_seconds)
-    window.call("edits.set_roughness", "Suzanne", 0.8)  # none of the values that follow: each of them is a change
+    window.call("edits.set_roughness", "Suzanne", 0.8)  # so that each of the values that follow is a change
     changes = [_change_ms(window, 0.2 + 0.5 * i / plan.viewport_changes)
                for i in range(plan.viewport_changes)]
     _, _, width, height = window.call("viewports.rectangle", 0)

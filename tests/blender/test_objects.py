@@ -240,13 +240,13 @@ def test_nearer_object_hides_farther_one(scene):
 
 
 def test_unsupported_objects_are_named(scene):
-    """Lights, volumes and the like would be missing without a word."""
-    add(bpy.data.lights.new("Lamp", 'POINT'), "Lamp")
+    """Volumes and the like would be missing without a word."""
     add(bpy.data.volumes.new("Smoke"), "Smoke")
+    add(bpy.data.grease_pencils.new("Sketch"), "Sketch")
     render(scene)
     assert len(faults.warnings()) == 2
-    assert any("'Lamp'" in text for text in faults.warnings())
     assert any("'Smoke'" in text for text in faults.warnings())
+    assert any("'Sketch'" in text for text in faults.warnings())
 
 
 def test_hair_and_holdout_are_named(scene):
