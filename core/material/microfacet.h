@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 
-#include "core/material/lobe_tables.h"
+#include "core/material/facet_normals.h"
 
 namespace verglas {
 
@@ -22,8 +22,10 @@ class RoughInterface {
   public:
     // fresnel: whether 1 - F is refracted and F reflected; else all is refracted that can be, and only facets
     // beyond their critical angle reflect.
+    RoughInterface(const FacetNormals& normals, float eta, bool fresnel, Reflected reflected)
+        : normals_(normals), eta_(eta), fresnel_(fresnel), reflected_(reflected) {}
     RoughInterface(Ndf ndf, float alpha, float eta, bool fresnel, Reflected reflected)
-        : ndf_(ndf), alpha_(alpha), eta_(eta), fresnel_(fresnel), reflected_(reflected) {}
+        : RoughInterface(FacetNormals(ndf, alpha), eta, fresnel, reflected) {}
 
     struct Sample {
         glm::vec3 direction;  // where the light comes from: above when reflected, below when refracted
@@ -53,15 +55,11 @@ class RoughInterface {
     Lobe lobe(const glm::vec3& o, bool reflected) const;
 
   private:
-    glm::vec3 sample_normal(const glm::vec3& o, glm::vec2 u) const;
-    float normal_pdf(const glm::vec3& o, const glm::vec3& m) const;
     std::optional<glm::vec3> direction(const glm::vec3& o, const glm::vec3& m, Event event) const;
-    float masking_weight(const glm::vec3& o, const glm::vec3& m, const glm::vec3& i) const;
     float fresnel(float o_m) const;
     float reflected_share(float o_m) const;
 
-    Ndf ndf_;
-    float alpha_;
+    FacetNormals normals_;
     float eta_;
     bool fresnel_;
     Reflected reflected_;
