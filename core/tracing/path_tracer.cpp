@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include "core/error.h"
+#include "core/material/layered_surface.h"
 #include "core/material/microfacet.h"
 #include "core/math/frame.h"
 #include "core/math/pixel_filter.h"
@@ -19,6 +21,7 @@
 #include "core/tracing/environment_light.h"
 #include "core/tracing/media.h"
 #include "core/tracing/ray_scene.h"
+#include "core/tracing/scene_lights.h"
 
 namespace verglas {
 namespace {
@@ -30,6 +33,11 @@ constexpr int interface_dimensions = 5;
 constexpr int facet_dimension = 0;
 constexpr int light_dimension = 2;
 constexpr int choice_dimension = 4;
+// Those of the scene's lights, apart, so that the others are alike with and without lights.
+constexpr int first_scene_light_dimension = 1 << 20;
+constexpr int scene_light_dimensions = 2;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Surfaces that don't bend a ray, one behind the other; rounding must not keep it at one for ever.
 constexpr int max_passed = 1000;
@@ -55,18 +63,22 @@ float mis_weight(int samples, float pdf, int other_samples, float other_pdf) {
 
 // An interface as a path meets it.
 struct Crossing {
-    const Hit& hit;
-    const Material& material;
-    bool entering;
+    const Hit* hit;
+    bool is_layer;      // one of several at the same place, between which the path has no medium
+    bool entering;      // the path is outside; behind the interface is glass
+    glm::vec3 outward;  // unit normal of the triangle on the side that is outside
     glm::mat3 frame;
     glm::vec3 o;  // toward the viewer, in the frame
     RoughInterface surface;
+    glm::vec3 color;             // factor of what is refracted
+    glm::vec3 reflection_color;  // and reflected
 };
 
 // Whether there may be surfaces that light goes through unbent.
 bool has_straight_surfaces(const Scene& scene) {
     return std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
-        return material.priority > 0 || std::abs(material.ior - 1.0F) < MediumStack::min_index_step;
+        return material.kind == MaterialKind::Solid &&
+               (material.priority > 0 || std::abs(material.ior - 1.0F) < MediumStack::min_index_step);
     });
 }
 
@@ -84,12 +96,26 @@ std::optional<Scattered> scatter(const Crossing& crossing, glm::vec2 u, float ch
     if (!sample) return std::nullopt;
     const glm::vec3 d = crossing.frame * sample->direction;
     const bool refracted = sample->direction.z < 0.0F;
-    // The side of the interpolated normal must be the triangle's.
-    if ((glm::dot(d, crossing.hit.geometric_normal) > 0.0F) != (refracted != crossing.entering))
+    // The side of the interpolated normal must be the triangle's, but for what stays in a layer.
+    const bool goes_out = refracted != crossing.entering;
+    if ((goes_out || !crossing.is_layer) && (glm::dot(d, crossing.outward) > 0.0F) != goes_out)
         return std::nullopt;
-    const glm::vec3& color = refracted ? crossing.material.color : crossing.material.reflection_color;
+    const glm::vec3& color = refracted ? crossing.color : crossing.reflection_color;
     return Scattered{d, refracted, sample->weight * color, sample->pdf};
 }
+
+// A path from the camera, as far as it is known.
+struct Path {
+    Ray ray;
+    glm::vec3 light{0.0F};  // that it has met
+    glm::vec3 throughput{1.0F};
+    MediumStack media;
+    // Of the directions that its last interface draws from the environment, and of the ray's among those that
+    // it scatters; pdf 0 where light_from() has no part in it.
+    EnvironmentLight::Lobe lobe;
+    float pdf = 0.0F;
+    int interfaces = 0;  // met so far
+};
 
 }  // namespace
 
@@ -101,6 +127,7 @@ class PathTracer::Paths {
           camera_(scene.camera, settings.size),
           rays_(scene),
           light_(scene),
+          lights_(scene),
           has_straight_surfaces_(has_straight_surfaces(scene)) {}
 
     const CameraRays& camera() const { return camera_; }
@@ -110,20 +137,32 @@ class PathTracer::Paths {
   private:
     bool two_interface() const { return settings_.mode == PathMode::TwoInterface; }
     Reflected reflected(const Material& material) const;
-    std::optional<Hit> next_interface(Ray& ray, MediumStack& media, glm::vec3& throughput) const;
-    glm::vec3 escape(Ray ray, MediumStack media) const;
+    std::optional<Hit> next_interface(Ray& ray, MediumStack& media, glm::vec3& throughput,
+                                      float distance = infinity) const;
+    glm::vec3 escape(Ray ray, MediumStack media, float distance) const;
     Crossing cross(const Hit& hit, const glm::vec3& d, const MediumStack& media) const;
     EnvironmentLight::Lobe outer_lobe(const Crossing& crossing) const;
-    glm::vec3 light_from(const EnvironmentLight::Sample& light, const Crossing& crossing, MediumStack media,
-                         Split split) const;
+    glm::vec3 light_from(const EnvironmentLight::Sample& light, const Crossing& crossing,
+                         const MediumStack& media, Split split) const;
+    glm::vec3 scene_light(const Crossing& crossing, const MediumStack& media, const SobolPoint& point,
+                          int interface) const;
+    glm::vec3 light_along(const Ray& ray, const MediumStack& media, float pdf) const;
+    glm::vec3 light_toward(const Crossing& crossing, MediumStack media, const glm::vec3& direction,
+                           float distance, int light_samples, float light_pdf, int facet_samples) const;
     glm::vec3 exit_light(const Crossing& crossing, const MediumStack& media, const SobolPoint& point,
                          int dimension) const;
+    glm::vec3 environment_at(const Path& path) const;
+    std::optional<Scattered> meet(Path& path, const Crossing& crossing, const SobolPoint& point,
+                                  bool lit) const;
+    bool meet_solid(Path& path, const Hit& hit, const SobolPoint& point) const;
+    bool meet_layer(Path& path, const Hit& hit, const SobolPoint& point) const;
 
     const Scene& scene_;
     const PathSettings& settings_;
     CameraRays camera_;
     RayScene rays_;
     EnvironmentLight light_;
+    SceneLights lights_;
     bool has_straight_surfaces_;
 };
 
@@ -140,17 +179,21 @@ Reflected PathTracer::Paths::reflected(const Material& material) const {
 }
 
 // Takes a ray to the next surface that bends light, through those that don't; throughput: what is left of it
-// there. None where the ray escapes.
-std::optional<Hit> PathTracer::Paths::next_interface(Ray& ray, MediumStack& media,
-                                                     glm::vec3& throughput) const {
+// there. None where the ray escapes, or comes to the distance before.
+std::optional<Hit> PathTracer::Paths::next_interface(Ray& ray, MediumStack& media, glm::vec3& throughput,
+                                                     float distance) const {
     for (int passed = 0; passed <= max_passed; ++passed) {
-        auto hit = rays_.intersect(ray.origin, ray.d);
-        if (!hit) return hit;
+        const auto hit = rays_.intersect(ray.origin, ray.d);
+        if (!hit || hit->t > distance) return std::nullopt;
+        distance -= hit->t;
+        const Material& material = scene_.materials[hit->material];
+        const bool is_layer = material.kind != MaterialKind::Solid;
         const bool entering = is_entering(*hit, ray.d);
-        throughput *= media.transmittance(scene_, *hit, entering);
+        throughput *= media.transmittance(scene_, *hit, entering || is_layer);
+        if (is_layer) return hit;
         const MediumStack::Interface interface = media.interface(scene_, *hit, entering);
         if (interface.bends()) return hit;
-        if (interface.is_real) throughput *= scene_.materials[hit->material].color;
+        if (interface.is_real) throughput *= material.color;
         media.cross(*hit, entering);
         ray.origin = beside(*hit, ray.d);
     }
@@ -158,11 +201,11 @@ std::optional<Hit> PathTracer::Paths::next_interface(Ray& ray, MediumStack& medi
     return std::nullopt;
 }
 
-// The share of light that comes along a ray from the environment, unbent.
-glm::vec3 PathTracer::Paths::escape(Ray ray, MediumStack media) const {
-    if (!has_straight_surfaces_) return glm::vec3(rays_.escapes(ray.origin, ray.d) ? 1.0F : 0.0F);
+// The share of light that comes along a ray, unbent, from the environment or from a light so far away.
+glm::vec3 PathTracer::Paths::escape(Ray ray, MediumStack media, float distance) const {
+    if (!has_straight_surfaces_) return glm::vec3(rays_.escapes(ray.origin, ray.d, distance) ? 1.0F : 0.0F);
     glm::vec3 share(1.0F);
-    return next_interface(ray, media, share) ? glm::vec3(0.0F) : share;
+    return next_interface(ray, media, share, distance) ? glm::vec3(0.0F) : share;
 }
 
 Crossing PathTracer::Paths::cross(const Hit& hit, const glm::vec3& d, const MediumStack& media) const {
@@ -172,7 +215,15 @@ Crossing PathTracer::Paths::cross(const Hit& hit, const glm::vec3& d, const Medi
     const float alpha = facet_alpha(roughness_at(material, hit));
     const RoughInterface surface(material.ndf, alpha, media.interface(scene_, hit, entering).eta,
                                  material.fresnel, reflected(material));
-    return {hit, material, entering, frame, glm::transpose(frame) * -d, surface};
+    return {&hit,
+            false,
+            entering,
+            hit.geometric_normal,
+            frame,
+            glm::transpose(frame) * -d,
+            surface,
+            material.color,
+            material.reflection_color};
 }
 
 // For light from outside: that an interface reflects to a path that is outside, or refracts to one inside.
@@ -181,22 +232,61 @@ EnvironmentLight::Lobe PathTracer::Paths::outer_lobe(const Crossing& crossing) c
     return light_.lobe(crossing.frame * lobe.axis, lobe.kappa);
 }
 
-// Light that an interface sends toward o from a direction drawn from the environment; the split's others
-// aside. media: those on the side of o.
-glm::vec3 PathTracer::Paths::light_from(const EnvironmentLight::Sample& light, const Crossing& crossing,
-                                        MediumStack media, Split split) const {
-    const Hit& hit = crossing.hit;
-    if (light.pdf <= 0.0F || glm::dot(light.direction, hit.geometric_normal) <= 0.0F) return glm::vec3(0.0F);
-    const glm::vec3 i = glm::transpose(crossing.frame) * light.direction;
+// What an interface sends toward o of light that comes from outside along a direction, for a radiance of 1:
+// f cos, with the direction's own weight among those that light and facets draw. media: those on the side of
+// o.
+glm::vec3 PathTracer::Paths::light_toward(const Crossing& crossing, MediumStack media,
+                                          const glm::vec3& direction, float distance, int light_samples,
+                                          float light_pdf, int facet_samples) const {
+    if (glm::dot(direction, crossing.outward) <= 0.0F) return glm::vec3(0.0F);
+    const glm::vec3 i = glm::transpose(crossing.frame) * direction;
     if ((i.z > 0.0F) != crossing.entering) return glm::vec3(0.0F);
     const RoughInterface::Value value = crossing.surface.evaluate(crossing.o, i);
     if (value.f_cos <= 0.0F) return glm::vec3(0.0F);
-    if (i.z < 0.0F) media.cross(hit, crossing.entering);
-    const glm::vec3 visible =
-        two_interface() ? glm::vec3(1.0F) : escape({beside(hit, light.direction), light.direction}, media);
-    const glm::vec3 color = crossing.entering ? crossing.material.reflection_color : crossing.material.color;
-    const float weight = mis_weight(split.lights, light.pdf, split.facets, value.pdf);
-    return visible * color * (value.f_cos / light.pdf * weight) * light.radiance;
+    const glm::vec3& color = crossing.entering ? crossing.reflection_color : crossing.color;
+    const float weight =
+        light_pdf > 0.0F ? mis_weight(light_samples, light_pdf, facet_samples, value.pdf) : 1.0F;
+    if (!crossing.is_layer && i.z < 0.0F) media.cross(*crossing.hit, crossing.entering);
+    const glm::vec3 visible = two_interface()
+                                  ? glm::vec3(1.0F)
+                                  : escape({beside(*crossing.hit, direction), direction}, media, distance);
+    return visible * color * (value.f_cos * weight);
+}
+
+// Light that an interface sends toward o from a direction drawn from the environment; the split's others
+// aside.
+glm::vec3 PathTracer::Paths::light_from(const EnvironmentLight::Sample& light, const Crossing& crossing,
+                                        const MediumStack& media, Split split) const {
+    if (light.pdf <= 0.0F) return glm::vec3(0.0F);
+    return light_toward(crossing, media, light.direction, infinity, split.lights, light.pdf, split.facets) *
+           light.radiance / light.pdf;
+}
+
+// The same from the scene's lights, each of which is drawn once.
+glm::vec3 PathTracer::Paths::scene_light(const Crossing& crossing, const MediumStack& media,
+                                         const SobolPoint& point, int interface) const {
+    glm::vec3 sum(0.0F);
+    for (std::size_t k = 0; k < lights_.size(); ++k) {
+        const auto place = static_cast<int>(interface * lights_.size() + k);
+        const glm::vec2 u = point.pair(first_scene_light_dimension + place * scene_light_dimensions);
+        const SceneLights::Sample light = lights_.sample(k, crossing.hit->position, u);
+        const glm::vec3 light_per_sample = light.pdf > 0.0F ? light.light / light.pdf : light.light;
+        sum += light_per_sample *
+               light_toward(crossing, media, light.direction, light.distance, 1, light.pdf, 1);
+    }
+    return sum;
+}
+
+// That of the scene's lights which a scattered ray meets. pdf: as Path's.
+glm::vec3 PathTracer::Paths::light_along(const Ray& ray, const MediumStack& media, float pdf) const {
+    glm::vec3 sum(0.0F);
+    for (std::size_t k = 0; k < lights_.size(); ++k) {
+        const auto light = lights_.at(k, ray.origin, ray.d);
+        if (!light) continue;
+        const float weight = pdf > 0.0F ? mis_weight(1, pdf, 1, light->pdf) : 1.0F;
+        sum += light->light * weight * escape(ray, media, light->distance);
+    }
+    return sum;
 }
 
 // All light of the environment that a path inside meets by leaving here.
@@ -221,47 +311,124 @@ glm::vec3 PathTracer::Paths::exit_light(const Crossing& crossing, const MediumSt
     return by_lights / static_cast<float>(untraced.lights) + by_facets / static_cast<float>(untraced.facets);
 }
 
+// Of the direction in which a path escapes.
+glm::vec3 PathTracer::Paths::environment_at(const Path& path) const {
+    if (path.pdf <= 0.0F) return light_.radiance(path.ray.d);
+    const EnvironmentLight::Sample light = light_.at(path.lobe, path.ray.d);
+    return light.radiance * mis_weight(traced.facets, path.pdf, traced.lights, light.pdf);
+}
+
+// Adds what an interface sends to the path of the light that comes straight to its outer side, where it is
+// lit, and scatters the path; none where it ends.
+std::optional<Scattered> PathTracer::Paths::meet(Path& path, const Crossing& crossing,
+                                                 const SobolPoint& point, bool lit) const {
+    const int interface = path.interfaces++;
+    const int dimension = first_interface_dimension + interface * interface_dimensions;
+    if (lit) {
+        path.lobe = outer_lobe(crossing);
+        const glm::vec2 u = point.pair(dimension + light_dimension);
+        path.light +=
+            path.throughput * (light_from(light_.sample(path.lobe, u), crossing, path.media, traced) +
+                               scene_light(crossing, path.media, point, interface));
+    }
+    const auto scattered =
+        scatter(crossing, point.pair(dimension + facet_dimension), point[dimension + choice_dimension]);
+    if (!scattered) return scattered;
+    path.throughput *= scattered->weight;
+    path.pdf = lit && scattered->refracted != crossing.entering ? scattered->pdf : 0.0F;
+    return scattered;
+}
+
+bool PathTracer::Paths::meet_solid(Path& path, const Hit& hit, const SobolPoint& point) const {
+    const Crossing crossing = cross(hit, path.ray.d, path.media);
+    const bool exit = two_interface() && !crossing.entering;
+    const bool lit = !two_interface() && (!crossing.entering || scene_.materials[hit.material].fresnel);
+    if (exit) {
+        const int dimension = first_interface_dimension + path.interfaces * interface_dimensions;
+        path.light += path.throughput * (exit_light(crossing, path.media, point, dimension) +
+                                         scene_light(crossing, path.media, point, path.interfaces));
+        if (!settings_.tir) return false;
+    }
+    const auto scattered = meet(path, crossing, point, lit);
+    if (!scattered || (exit && scattered->refracted)) return false;
+    if (scattered->refracted) path.media.cross(hit, crossing.entering);
+    path.ray = {beside(hit, scattered->d), scattered->d};
+    return true;
+}
+
+// Follows a path through a thin layer, from interface to interface, until it leaves.
+bool PathTracer::Paths::meet_layer(Path& path, const Hit& hit, const SobolPoint& point) const {
+    const Material& material = scene_.materials[hit.material];
+    const bool entering = is_entering(hit, path.ray.d);
+    const LayeredSurface layer(material, entering, facet_alpha(roughness_at(material, hit)),
+                               facet_alpha(inner_roughness_at(material, hit)));
+    const glm::vec3 n = facing_normal(hit, path.ray.d);
+    const glm::vec3 outward = entering ? hit.geometric_normal : -hit.geometric_normal;
+    const glm::mat3 front = frame_of(n);
+    const glm::mat3 back = frame_of(-n);
+    const auto inside = [&](bool is_near, const glm::vec3& d) {
+        const glm::mat3& frame = is_near ? back : front;
+        return Crossing{&hit,
+                        true,
+                        false,
+                        is_near ? outward : -outward,
+                        frame,
+                        glm::transpose(frame) * -d,
+                        is_near ? layer.near() : *layer.far(),
+                        material.color,
+                        glm::vec3(1.0F)};
+    };
+    Crossing crossing{&hit,
+                      true,
+                      true,
+                      outward,
+                      front,
+                      glm::transpose(front) * -path.ray.d,
+                      layer.outside(),
+                      material.color,
+                      material.reflection_color};
+    int bounces = 0;
+    while (path.interfaces <= settings_.max_interfaces) {
+        const auto scattered = meet(path, crossing, point, !crossing.entering || material.fresnel);
+        if (!scattered) return false;
+        glm::vec3 d = scattered->d;
+        if (scattered->refracted != crossing.entering) {
+            path.ray = {beside(hit, d), d};
+            return true;
+        }
+        const bool is_near = glm::dot(d, n) > 0.0F;
+        if (is_near || layer.far()) {
+            crossing = inside(is_near, d);
+            continue;
+        }
+        if (++bounces > material.layer.bounces || path.interfaces > settings_.max_interfaces) return false;
+        const int dimension = first_interface_dimension + path.interfaces++ * interface_dimensions;
+        const glm::vec3 o = glm::transpose(front) * -d;
+        const auto reflected = layer.base().sample(o, point.pair(dimension + facet_dimension));
+        if (!reflected) return false;
+        path.throughput *=
+            reflected->weight * layer.transmittance(o.z) * layer.transmittance(reflected->direction.z);
+        d = front * reflected->direction;
+        crossing = inside(true, d);
+    }
+    return false;
+}
+
 glm::vec4 PathTracer::Paths::trace(Ray ray, const SobolPoint& point) const {
-    glm::vec3 sum(0.0F);
-    glm::vec3 throughput(1.0F);
-    const glm::vec3 eye = ray.origin;
-    MediumStack media;
-    EnvironmentLight::Lobe lobe;
-    float pdf = 0.0F;  // of the ray's direction; 0 where light_from() has no part in it
-    for (int depth = 0; depth <= settings_.max_interfaces; ++depth) {
-        const auto hit = next_interface(ray, media, throughput);
+    Path path;
+    path.ray = ray;
+    while (path.interfaces <= settings_.max_interfaces) {
+        const auto hit = next_interface(path.ray, path.media, path.throughput);
         if (!hit) {
-            if (ray.origin == eye && settings_.transparent) return glm::vec4(0.0F);
-            if (pdf > 0.0F) {
-                const EnvironmentLight::Sample light = light_.at(lobe, ray.d);
-                const float weight = mis_weight(traced.facets, pdf, traced.lights, light.pdf);
-                sum += throughput * weight * light.radiance;
-            } else {
-                sum += throughput * light_.radiance(ray.d);
-            }
+            if (path.ray.origin == ray.origin && settings_.transparent) return glm::vec4(0.0F);
+            path.light += path.throughput * environment_at(path);
             break;
         }
-        const Crossing crossing = cross(*hit, ray.d, media);
-        const int dimension = first_interface_dimension + depth * interface_dimensions;
-        const bool exit = two_interface() && !crossing.entering;
-        const bool lit = !two_interface() && (!crossing.entering || crossing.material.fresnel);
-        if (exit) {
-            sum += throughput * exit_light(crossing, media, point, dimension);
-            if (!settings_.tir) break;
-        } else if (lit) {
-            lobe = outer_lobe(crossing);
-            const glm::vec2 u = point.pair(dimension + light_dimension);
-            sum += throughput * light_from(light_.sample(lobe, u), crossing, media, traced);
-        }
-        const auto scattered =
-            scatter(crossing, point.pair(dimension + facet_dimension), point[dimension + choice_dimension]);
-        if (!scattered || (exit && scattered->refracted)) break;
-        throughput *= scattered->weight;
-        pdf = lit && scattered->refracted != crossing.entering ? scattered->pdf : 0.0F;
-        if (scattered->refracted) media.cross(*hit, crossing.entering);
-        ray = {beside(*hit, scattered->d), scattered->d};
+        const bool is_solid = scene_.materials[hit->material].kind == MaterialKind::Solid;
+        if (!(is_solid ? meet_solid(path, *hit, point) : meet_layer(path, *hit, point))) break;
+        path.light += path.throughput * light_along(path.ray, path.media, path.pdf);
     }
-    return {sum, 1.0F};
+    return {path.light, 1.0F};
 }
 
 PathTracer::PathTracer(Scene scene, const PathSettings& settings)

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Ground truth: a path tracer of the same scene and material model (Walter et al. 2007).
+// Ground truth: a path tracer of the same scene and material model (Walter et al. 2007), with
+// thin layers followed by recursive sampling from interface to interface, and connected to the light at each
+// of their outer sides.
 #pragma once
 
 #include <functional>

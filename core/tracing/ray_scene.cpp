@@ -485,9 +485,10 @@ void RayScene::intersect_packets(std::span<const Ray> rays, std::span<Hit> hits)
     }
 }
 
-bool RayScene::escapes(const glm::vec3& origin, const glm::vec3& d) const {
+bool RayScene::escapes(const glm::vec3& origin, const glm::vec3& d, float distance) const {
     if (!is_traceable(origin, d)) return true;
     RTCRay ray = make_ray(origin, d);
+    ray.tfar = distance;
     occlude_one(top_.get(), ray);
     return ray.tfar >= 0.0F;
 }

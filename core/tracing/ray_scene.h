@@ -66,8 +66,9 @@ class RayScene {
     void intersect(std::span<const Ray> rays, std::span<Hit> hits) const;
     // Of the surface that the interpolated normal stands for. 0 where triangles are flat or too thin to tell.
     Curvature curvature(const Hit& hit) const { return objects_[hit.instance].curvature(hit.triangle); }
-    // Whether nothing lies on the way to infinity.
-    bool escapes(const glm::vec3& origin, const glm::vec3& d) const;
+    // Whether nothing lies on the way up to this distance.
+    bool escapes(const glm::vec3& origin, const glm::vec3& d,
+                 float distance = std::numeric_limits<float>::infinity()) const;
 
   private:
     struct Release {
