@@ -78,15 +78,14 @@ LayeredSurface::LayeredSurface(const Material& material, bool entering, float al
 
 LayeredSurface::LayeredSurface(const Material& material, const FacetNormals& near, const FacetNormals& far,
                                float base_alpha)
-    : outside_(near, layer_index(material.ior), material.fresnel, reflected_where(material.fresnel)),
-      near_(near, 1.0F / layer_index(material.ior), material.fresnel,
-            reflected_where(reflects_inside(material))),
+    : eta_(layer_index(material.ior)),
+      outside_(near, eta_, material.fresnel, reflected_where(material.fresnel)),
+      near_(near, 1.0F / eta_, material.fresnel, reflected_where(reflects_inside(material))),
       base_(material.layer, base_alpha) {
     if (material.kind == MaterialKind::Coated) {
         optical_depth_ = material.absorption * material.layer.thickness;
     } else {
-        far_.emplace(far, 1.0F / layer_index(material.ior), material.fresnel,
-                     reflected_where(reflects_inside(material)));
+        far_.emplace(far, 1.0F / eta_, material.fresnel, reflected_where(reflects_inside(material)));
     }
 }
 

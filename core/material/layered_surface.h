@@ -51,6 +51,8 @@ class LayeredSurface {
     // The other side of a pane, from within; none of a coating, which has its base there.
     const std::optional<RoughInterface>& far() const { return far_; }
     const CoatingBase& base() const { return base_; }
+    // Of the layer to its surroundings.
+    float eta() const { return eta_; }
 
     // The share of light that is left after one crossing of a coating (Beer-Lambert); all of it in a pane.
     glm::vec3 transmittance(float cos_theta) const;
@@ -59,6 +61,7 @@ class LayeredSurface {
     LayeredSurface(const Material& material, const FacetNormals& near, const FacetNormals& far,
                    float base_alpha);
 
+    float eta_;
     RoughInterface outside_;
     RoughInterface near_;
     std::optional<RoughInterface> far_;

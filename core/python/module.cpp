@@ -82,6 +82,7 @@ constexpr std::array<const char*, 2> interpolation_names = {"LINEAR", "CLOSEST"}
 constexpr std::array<const char*, 5> transport_names = {"BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP", "SPECULAR"};
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
 constexpr std::array<const char*, 2> path_mode_names = {"TWO_INTERFACE", "FULL"};
+constexpr std::array<const char*, 3> layer_model_names = {"RECURSIVE", "ENDF", "WEIDLICH_WILKIE"};
 constexpr std::array<const char*, 2> back_roughness_names = {"SIMPLE", "COVERAGE"};
 constexpr std::array<const char*, 4> tir_names = {"NONE", "INCIDENT", "CLAMP", "BOUNCE"};
 
@@ -487,6 +488,7 @@ void bind_path_tracer(py::module_& module) {
     def_size(settings);
     def_region(settings);
     def_enum(settings, "mode", &PathSettings::mode, path_mode_names);
+    def_enum(settings, "layers", &PathSettings::layers, layer_model_names);
 
     py::class_<PathTracer>(module, "PathTracer")
         .def(py::init<Scene, const PathSettings&>(), py::arg("scene"), py::arg("settings"),

@@ -395,6 +395,10 @@ class PathSettings:
     into the environment."""
     tir: bool
     """TWO_INTERFACE: whether totally reflected light goes on inside until it leaves; else (default) it is lost."""
+    layers: str
+    """Of coated surfaces: 'RECURSIVE' (default), from interface to interface, the truth; 'ENDF', in closed form,
+    one draw for each bounce, by extended normal distribution functions (Guo et al. 2016); 'WEIDLICH_WILKIE', light
+    that stays collimated in the layer and meets the base once (2007). A diffuse base has the last one's with both."""
     transparent: bool
     """As Settings.transparent."""
     max_interfaces: int

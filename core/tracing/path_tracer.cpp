@@ -70,8 +70,9 @@ struct Crossing {
     glm::mat3 frame;
     glm::vec3 o;  // toward the viewer, in the frame
     RoughInterface surface;
-    glm::vec3 color;             // factor of what is refracted
-    glm::vec3 reflection_color;  // and reflected
+    glm::vec3 color;                    // factor of what is refracted
+    glm::vec3 reflection_color;         // and reflected
+    const LayeredBsdf* bsdf = nullptr;  // in place of the surface and its colours
 };
 
 // Whether there may be surfaces that light goes through unbent.
@@ -90,8 +91,24 @@ struct Scattered {
     float pdf;  // per steradian
 };
 
+// Light from outside, from i in the frame.
+LayeredBsdf::Value evaluate(const Crossing& crossing, const glm::vec3& i) {
+    if (crossing.bsdf) return crossing.bsdf->evaluate(i);
+    const RoughInterface::Value value = crossing.surface.evaluate(crossing.o, i);
+    return {value.f_cos * (crossing.entering ? crossing.reflection_color : crossing.color), value.pdf};
+}
+
+std::optional<Scattered> scatter_by_bsdf(const Crossing& crossing, glm::vec2 u, float choice) {
+    const auto sample = crossing.bsdf->sample(u, choice);
+    if (!sample) return std::nullopt;
+    const glm::vec3 d = crossing.frame * sample->direction;
+    if (glm::dot(d, crossing.outward) <= 0.0F) return std::nullopt;
+    return Scattered{d, false, sample->weight, sample->pdf};
+}
+
 // u, choice: as for RoughInterface::sample().
 std::optional<Scattered> scatter(const Crossing& crossing, glm::vec2 u, float choice) {
+    if (crossing.bsdf) return scatter_by_bsdf(crossing, u, choice);
     const auto sample = crossing.surface.sample(crossing.o, u, choice);
     if (!sample) return std::nullopt;
     const glm::vec3 d = crossing.frame * sample->direction;
@@ -228,7 +245,8 @@ Crossing PathTracer::Paths::cross(const Hit& hit, const glm::vec3& d, const Medi
 
 // For light from outside: that an interface reflects to a path that is outside, or refracts to one inside.
 EnvironmentLight::Lobe PathTracer::Paths::outer_lobe(const Crossing& crossing) const {
-    const RoughInterface::Lobe lobe = crossing.surface.lobe(crossing.o, crossing.entering);
+    const RoughInterface::Lobe lobe =
+        crossing.bsdf ? crossing.bsdf->lobe() : crossing.surface.lobe(crossing.o, crossing.entering);
     return light_.lobe(crossing.frame * lobe.axis, lobe.kappa);
 }
 
@@ -241,16 +259,15 @@ glm::vec3 PathTracer::Paths::light_toward(const Crossing& crossing, MediumStack 
     if (glm::dot(direction, crossing.outward) <= 0.0F) return glm::vec3(0.0F);
     const glm::vec3 i = glm::transpose(crossing.frame) * direction;
     if ((i.z > 0.0F) != crossing.entering) return glm::vec3(0.0F);
-    const RoughInterface::Value value = crossing.surface.evaluate(crossing.o, i);
-    if (value.f_cos <= 0.0F) return glm::vec3(0.0F);
-    const glm::vec3& color = crossing.entering ? crossing.reflection_color : crossing.color;
+    const LayeredBsdf::Value value = evaluate(crossing, i);
+    if (value.f_cos == glm::vec3(0.0F)) return glm::vec3(0.0F);
     const float weight =
         light_pdf > 0.0F ? mis_weight(light_samples, light_pdf, facet_samples, value.pdf) : 1.0F;
     if (!crossing.is_layer && i.z < 0.0F) media.cross(*crossing.hit, crossing.entering);
     const glm::vec3 visible = two_interface()
                                   ? glm::vec3(1.0F)
                                   : escape({beside(*crossing.hit, direction), direction}, media, distance);
-    return visible * color * (value.f_cos * weight);
+    return visible * value.f_cos * weight;
 }
 
 // Light that an interface sends toward o from a direction drawn from the environment; the split's others
@@ -387,9 +404,16 @@ bool PathTracer::Paths::meet_layer(Path& path, const Hit& hit, const SobolPoint&
                       layer.outside(),
                       material.color,
                       material.reflection_color};
+    std::optional<LayeredBsdf> bsdf;
+    if (material.kind == MaterialKind::Coated && settings_.layers != LayerModel::Recursive) {
+        bsdf.emplace(settings_.layers, material, facet_alpha(roughness_at(material, hit)),
+                     facet_alpha(inner_roughness_at(material, hit)), crossing.o);
+        crossing.bsdf = &*bsdf;
+    }
     int bounces = 0;
     while (path.interfaces <= settings_.max_interfaces) {
-        const auto scattered = meet(path, crossing, point, !crossing.entering || material.fresnel);
+        const auto scattered =
+            meet(path, crossing, point, !crossing.entering || crossing.bsdf || material.fresnel);
         if (!scattered) return false;
         glm::vec3 d = scattered->d;
         if (scattered->refracted != crossing.entering) {

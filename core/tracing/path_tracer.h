@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/frame.h"
+#include "core/material/layered_bsdf.h"
 #include "core/scene/scene.h"
 #include "core/scene/settings.h"
 
@@ -22,6 +23,7 @@ struct PathSettings {
     PathMode mode = PathMode::Full;
     bool tir =
         false;  // TwoInterface: totally reflected light goes on inside until it leaves; else it is lost
+    LayerModel layers = LayerModel::Recursive;  // of coated surfaces
     bool transparent = false;
     int max_interfaces = 64;  // that bend light; longer paths end
     std::uint64_t seed = 0;

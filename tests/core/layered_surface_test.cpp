@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/material/layered_surface.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <iostream>
 #include <random>
 
+#include "core/material/layered_bsdf.h"
 #include "core/math/sobol.h"
 #include "core/tracing/path_tracer.h"
 #include "tests/core/reference_layers.h"
@@ -280,6 +279,47 @@ TEST(SceneLights, SphereIsTheIntegralOverItsDirections) {
                 reference::over_cone(toward, edge, [&](const dvec3& i) { return outside.density(o, i); });
             EXPECT_NEAR(mean(scene, 64).g / expected, 1.0, 0.02) << kappa << " " << radius;
         }
+    }
+}
+
+// A researcher loses: closed forms whose draws have the energy of their values, and no more than there is.
+TEST(LayeredBsdf, SamplesMeetItsValues) {
+    for (const LayerModel model : {LayerModel::Endf, LayerModel::WeidlichWilkie}) {
+        for (const bool diffuse : {false, true}) {
+            for (const double kappa : {10.0, 300.0}) {
+                Material material = coating(kappa, 30.0);
+                material.layer.diffuse = diffuse;
+                const vec3 o = direction(0.7);
+                const LayeredBsdf bsdf(model, material, alpha_of(kappa), alpha_of(30.0), o);
+                double drawn = 0.0;
+                constexpr int count = 1 << 16;
+                for (int k = 0; k < count; ++k) {
+                    const SobolPoint point(0, k, 0);
+                    const auto sample = bsdf.sample(point.pair(0), point[2]);
+                    if (sample) drawn += sample->weight.g / double{count};
+                }
+                const double integrated = reference::over_hemisphere(
+                    [&](const dvec3& i) { return bsdf.evaluate(vec3(i)).f_cos.g; });
+                EXPECT_NEAR(drawn / integrated, 1.0, 0.01) << int(model) << " " << diffuse << " " << kappa;
+                EXPECT_LT(integrated, 1.0);
+            }
+        }
+    }
+}
+
+// A researcher loses: the ENDF's closeness to recursive sampling where lobes are sharp, for each bounce.
+TEST(LayeredBsdf, EndfHasTheEnergyOfTheTruthWhereLobesAreSharp) {
+    for (const int bounces : {1, 2, 4}) {
+        Scene scene = plane(coating(1e4, 1e3, bounces), 0.7);
+        scene.environment_color = vec3(1.0F);
+        PathSettings settings;
+        settings.size = glm::ivec2(32);
+        settings.layers = LayerModel::Endf;
+        PathTracer tracer(scene, settings);
+        EXPECT_TRUE(tracer.render(16));
+        double closed = 0.0;
+        for (const glm::vec4& pixel : tracer.frame().combined) closed += pixel.g / 1024.0;
+        EXPECT_NEAR(closed / mean(scene, 16).g, 1.0, 0.01) << bounces;
     }
 }
 

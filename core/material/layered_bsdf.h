@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Models of a coated surface in closed form, for path tracing, in its own frame: n = +Z, and o, the direction
+// to the viewer, above it.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "core/material/layered_surface.h"
+
+namespace verglas {
+
+// How coated surfaces are path traced.
+enum class LayerModel {
+    Recursive,       // from interface to interface: the truth
+    Endf,            // extended normal distribution functions (Guo et al. 2016), one for each bounce
+    WeidlichWilkie,  // light that stays collimated in the layer meets the base once (2007)
+};
+
+class LayeredBsdf {
+  public:
+    static constexpr int max_bounces = 8;
+
+    // model: not Recursive. alpha, base_alpha: of the material's roughness and its layer's. material must
+    // outlive this.
+    LayeredBsdf(LayerModel model, const Material& material, float alpha, float base_alpha,
+                const glm::vec3& o);
+
+    struct Value {
+        glm::vec3 f_cos{0.0F};  // f(o, i) |i.n|
+        float pdf = 0.0F;       // with which sample() draws i
+    };
+    Value evaluate(const glm::vec3& i) const;
+
+    struct Sample {
+        glm::vec3 direction;  // where the light comes from, above
+        glm::vec3 weight;     // f |i.n| / pdf
+        float pdf;            // per steradian
+    };
+    // None where a facet is masked. u: in [0, 1)^2 for the facet; choice: in [0, 1) for the bounce.
+    std::optional<Sample> sample(glm::vec2 u, float choice) const;
+
+    // The lobe that is drawn most, as a spherical Gaussian.
+    RoughInterface::Lobe lobe() const;
+
+  private:
+    // Light that has met the base so often: none is the reflection by the surface.
+    struct Bounce {
+        glm::vec3 energy{0.0F};  // without the masking of i
+        float kappa = 0.0F;      // of the ENDF
+        float probability = 0.0F;
+    };
+
+    void add_endf_bounces();
+    void add_base_bounce();
+    glm::vec3 base_value(const glm::vec3& i, float& pdf) const;
+    std::optional<glm::vec3> sample_base(glm::vec2 u) const;
+
+    LayerModel model_;
+    const Material& material_;
+    glm::vec3 o_;
+    LayeredSurface layer_;
+    FacetNormals normals_;
+    FacetNormals base_normals_;
+    float eta_;
+    glm::vec3 t_;  // o, refracted, and turned so that it shows up from the base
+    std::array<Bounce, max_bounces + 1> bounces_;
+    int count_ = 1;
+};
+
+}  // namespace verglas
