@@ -30,7 +30,7 @@ uniform float class_roughness[MAX_ROUGHNESS_CLASSES];  // ascending; the last on
 
 layout(location = 0) out vec4 texel;
 #ifdef ROUGHNESS_VALUES
-layout(location = 1) out vec2 roughness;  // of the side that is seen, and of the other
+layout(location = 1) out vec2 roughness;  // of the side that is seen, and of the other; by MAX_ROUGHNESS
 #endif
 #ifdef CLASS_LAYERS
 layout(location = 1) out vec4 shares[CLASS_LAYERS];
@@ -76,6 +76,7 @@ void main() {
 #ifdef ROUGHNESS_VALUES
     roughness = vec2(surface_roughness(), inner_roughness());
     if (is_pane && !gl_FrontFacing) roughness = roughness.yx;
+    roughness /= MAX_ROUGHNESS;
 #endif
 #ifdef CLASS_LAYERS
     float value = min(surface_roughness(), class_roughness[MAX_ROUGHNESS_CLASSES - 1]);

@@ -102,7 +102,7 @@ vec3 transmittance(vec3 absorption, float distance_inside) { return exp(-absorpt
 // Of the front face at a pixel.
 float roughness_at(ivec2 pixel, Material material) {
 #ifdef FRONT_ROUGHNESS
-    return texelFetch(front_roughness, pixel, 0).x;
+    return MAX_ROUGHNESS * texelFetch(front_roughness, pixel, 0).x;
 #else
     return material.color_roughness.w;
 #endif

@@ -29,6 +29,7 @@ class LobeModel {
                        row - static_cast<float>(j));
         }
 
+#include "shaders/lib/coated_lookup.glsl"
 #include "shaders/lib/lobe_lookup.glsl"
 #include "shaders/lib/pane_lookup.glsl"
     };
@@ -43,6 +44,18 @@ class LobeModel {
         return Lookup{tables_}.refracted_lobe(table, eta, roughness, d, n, tir);
     }
 
+    BaseLight first_bounce(const Coating& coating, const vec3& d, const vec3& n) const {
+        return Lookup{tables_}.first_bounce(coating, d, n);
+    }
+    BaseLight next_bounce(const Coating& coating, const BaseLight& light, const vec3& n) const {
+        return Lookup{tables_}.next_bounce(coating, light, n);
+    }
+    Moments leaving_lobe(const Coating& coating, const BaseLight& light, const vec3& n) const {
+        return Lookup{tables_}.leaving_lobe(coating, light, n);
+    }
+    Fan leaving_light(const Coating& coating, const BaseLight& light, const vec3& n) const {
+        return Lookup{tables_}.leaving_light(coating, light, n);
+    }
     PaneLobes pane_lobes(const Pane& pane, const vec3& d, const vec3& n) const {
         return Lookup{tables_}.pane_lobes(pane, d, n);
     }

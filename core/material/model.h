@@ -15,12 +15,13 @@ namespace verglas::model {
 #include "shaders/lib/spherical_gaussian.glsl"
 #include "shaders/lib/lobe.glsl"
 #include "shaders/lib/bundle.glsl"
+#include "shaders/lib/local_light.glsl"
 #include "shaders/lib/pane.glsl"
+#include "shaders/lib/coated.glsl"
 #include "shaders/lib/specular.glsl"
 #include "shaders/lib/depth_mip.glsl"
 #include "shaders/lib/environment.glsl"
 #include "shaders/lib/relief.glsl"
-#include "shaders/lib/local_light.glsl"
 // clang-format on
 
 }  // namespace verglas::model

@@ -108,7 +108,7 @@ void GeometryPass::set_inner_roughness(const gl::Program& program, const Materia
     const auto& texture = material.layer.roughness_texture;
     program.set("inner_textured", texture ? 1 : 0);
     if (texture) glBindTextureUnit(inner_roughness_unit, textures[texture].texture.id());
-    program.set("inner_roughness_value", std::clamp(material.layer.roughness, 0.0F, 1.0F));
+    program.set("inner_roughness_value", std::clamp(material.layer.roughness, 0.0F, model::MAX_ROUGHNESS));
     program.set("is_pane", material.kind == MaterialKind::Pane ? 1 : 0);
 }
 

@@ -213,7 +213,8 @@ bool ReliefCache::update(const std::vector<Material>& materials) {
 
 float mean_roughness(const Material& material, const TextureCache& textures) {
     if (material.roughness_texture) return textures[material.roughness_texture].histogram.mean();
-    return std::clamp(material.roughness, 0.0F, 1.0F);
+    const float most = material.kind == MaterialKind::Coated ? model::MAX_ROUGHNESS : 1.0F;
+    return std::clamp(material.roughness, 0.0F, most);
 }
 
 RoughnessClasses roughness_classes(const Material& material, const TextureCache& textures) {

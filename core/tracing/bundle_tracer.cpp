@@ -308,7 +308,7 @@ void BundleTracer::meet(const Beam& incoming, const glm::vec3& d, const Hit& hit
 }
 
 void BundleTracer::meet_layer(const Meeting& meeting, Wave& next) const {
-    if (sample_ > 0) return draw_layer(meeting, next);
+    if (sample_ > 0 && meeting.material.kind == MaterialKind::Pane) return draw_layer(meeting, next);
     const LayerLobes lobes = LayerLobes::of(scene_, meeting.hit, meeting.d, meeting.n, meeting.entering);
     const LayerLobe* greatest_lobe = nullptr;
     float greatest_weight = 0.0F;
@@ -319,13 +319,46 @@ void BundleTracer::meet_layer(const Meeting& meeting, Wave& next) const {
         greatest_lobe = &lobe;
     }
     for (const LayerLobe& lobe : lobes.all()) {
-        if (lobe.reflected && !settings_.reflection) continue;
-        const Branch branch{.way = lobe.reflected ? Way::Reflected : Way::Through,
+        const bool is_pane = meeting.material.kind == MaterialKind::Pane;
+        const bool is_reflection =
+            lobe.way == LayerLobe::Way::Mirrored || (is_pane && lobe.way == LayerLobe::Way::FromWithin);
+        if (is_reflection && !settings_.reflection) continue;
+        const Branch branch{.way = lobe.way == LayerLobe::Way::Through ? Way::Through : Way::Reflected,
                             .lobe = lobe.lobe,
                             .color = lobe.color,
                             .weight = meeting.beam.weight * lobe.lobe.energy * lobe.color};
-        branch_off(meeting, branch, &lobe == greatest_lobe, next);
+        if (sample_ > 0 && lobe.way == LayerLobe::Way::FromWithin)
+            draw_lobe(meeting, branch, static_cast<int>(&lobe - lobes.all().data()), next);
+        else
+            branch_off(meeting, branch, &lobe == greatest_lobe, next);
     }
+}
+
+// A direction from a lobe as a spherical Gaussian, for what hasn't been drawn by facets. number: the lobe's.
+void BundleTracer::draw_lobe(const Meeting& meeting, const Branch& branch, int number, Wave& next) const {
+    if (greatest(branch.weight) <= 0.0F || meeting.beam.interfaces >= max_drawn_interfaces) return;
+    light(meeting, branch);
+    Beam outgoing = meeting.beam;
+    outgoing.weight = branch.weight;
+    const SobolPoint point = point_of(outgoing);
+    const int first = first_walk_dimension + outgoing.interfaces * walk_dimensions + 3 * (number % 8);
+    const float chance = greatest(outgoing.weight) / least_drawn_weight;
+    if (chance < 1.0F) {
+        if (point[first + 2] >= chance) return;
+        outgoing.weight /= chance;
+    }
+    const glm::vec2 u = point.pair(first);
+    const float kappa = model::kappa_from_spread(branch.lobe.spread);
+    const float versine =
+        std::min(-std::log1p(-u.x * (1.0F - std::exp(-2.0F * kappa))) / std::max(kappa, 1e-3F), 2.0F);
+    const float sine = std::sqrt(versine * (2.0F - versine));
+    const float phi = 2.0F * model::PI * u.y;
+    const glm::vec3 d = on_side(frame_of(branch.lobe.direction) *
+                                    glm::vec3(sine * std::cos(phi), sine * std::sin(phi), 1.0F - versine),
+                                meeting.side(branch));
+    look_between(meeting, branch, d, outgoing);
+    next.beams.push_back(outgoing);
+    send(meeting, branch, d, next);
 }
 
 void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool is_greater,

@@ -87,6 +87,7 @@ class BundleTracer {
     void draw_ray(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
     void look_between(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Beam& outgoing) const;
     SobolPoint point_of(const Beam& beam) const;
+    void draw_lobe(const Meeting& meeting, const Branch& branch, int number, Wave& next) const;
     void draw_layer(const Meeting& meeting, Wave& next) const;
     void draw_mirrored(const Meeting& meeting, Wave& next) const;
     void draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) const;

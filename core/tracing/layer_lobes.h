@@ -2,10 +2,9 @@
 // What a thin layer makes of a ray that meets it, as lobes of light.
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <glm/glm.hpp>
 #include <span>
+#include <vector>
 
 #include "core/material/model.h"
 #include "core/tracing/traced_scene.h"
@@ -13,7 +12,12 @@
 namespace verglas {
 
 struct LayerLobe {
-    bool reflected;  // else it goes through, straight on in the mean
+    enum class Way {
+        Through,     // a pane, straight on in the mean
+        Mirrored,    // by the outer side
+        FromWithin,  // back through it
+    };
+    Way way;
     model::Lobe lobe;
     glm::vec3 color;  // factor on the lobe's energy
 };
@@ -25,17 +29,17 @@ class LayerLobes {
     static LayerLobes of(const TracedScene& scene, const Hit& hit, const glm::vec3& d, const glm::vec3& n,
                          bool entering);
 
-    std::span<const LayerLobe> all() const { return {lobes_.data(), count_}; }
+    std::span<const LayerLobe> all() const { return lobes_; }
 
   private:
-    static constexpr std::size_t most = 18;
-
     void add(const LayerLobe& lobe);
-    void add_pane(const TracedScene& scene, const Hit& hit, const glm::vec3& d, const glm::vec3& n,
-                  bool entering);
+    void add(LayerLobe::Way way, const model::Fan& fan, const glm::vec3& color);
+    void add_pane(const TracedScene& scene, const Material& material, const model::Pane& pane,
+                  const glm::vec3& d, const glm::vec3& n);
+    void add_coated(const TracedScene& scene, const Material& material, const model::Pane& outer,
+                    const glm::vec3& d, const glm::vec3& n);
 
-    std::array<LayerLobe, most> lobes_;
-    std::size_t count_ = 0;
+    std::vector<LayerLobe> lobes_;
 };
 
 }  // namespace verglas

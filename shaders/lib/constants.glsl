@@ -9,6 +9,9 @@ const int NDF_BECKMANN = 0;
 const int NDF_GGX = 1;
 const int NDF_BLINN_PHONG = 2;
 
+// Greatest roughness, kappa = 1: of coatings; glass has up to 1.
+const float MAX_ROUGHNESS = 1.1892071f;
+
 // What stands behind a surface (MaterialKind of core/scene/scene.h).
 const int KIND_SOLID = 0;
 const int KIND_PANE = 1;
