@@ -9,6 +9,10 @@ VERSION: tuple[int, int, int] = bpy.app.version
 TRANSMISSION = ("Transmission Weight", "Transmission")
 """Names of Principled BSDF's transmission input; it was renamed in 4.0."""
 
+COAT = ("Coat Weight", "Coat", "Clearcoat")
+COAT_ROUGHNESS = ("Coat Roughness", "Clearcoat Roughness")
+"""Names of Principled BSDF's inputs for its coat; they were renamed in 4.0."""
+
 ADOPTED_PANELS = (
     'DATA_PT_EEVEE_light',
     'EEVEE_MATERIAL_PT_context_material',

@@ -6,6 +6,8 @@ from bpy.props import (
     BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty,
 )
 
+from .conductors import INDICES
+
 
 def _noticed(settings: bpy.types.PropertyGroup, _context: bpy.types.Context) -> None:
     """Has viewports updated where a script sets a property; Blender does so where the user does."""
@@ -159,12 +161,16 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
 class VerglasMaterialSettings(bpy.types.PropertyGroup):
     kind: EnumProperty(
         name="Kind",
-        description="What is behind the surface",
+        description="What is behind the surface. A Principled BSDF with a coat and without transmission "
+                    "is Coated by itself",
         items=(
             ('SOLID', "Solid", "Glass that fills the object"),
             ('PANE', "Thin Pane",
              "A sheet of glass with two rough sides, as window glass, bulbs and packaging. The mesh is the "
              "sheet, open or closed; its normals show to the outer side, of the shader node's roughness"),
+            ('COATED', "Coated",
+             "A clear layer on what the material's Diffuse, Glossy or Principled BSDF is, which gives the "
+             "base's color and roughness"),
         ),
         default='SOLID',
         update=_noticed,
@@ -185,6 +191,40 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
         name="Inner Reflections",
         description="Add the light that is reflected between both sides",
         default=True,
+        update=_noticed,
+    )
+    outer_roughness: FloatProperty(
+        name="Outer Roughness",
+        description="Of the clear layer",
+        default=0.1, min=0.0, max=1.0, subtype='FACTOR',
+        update=_noticed,
+    )
+    coating_ior: FloatProperty(
+        name="IOR",
+        description="Index of refraction of the clear layer",
+        default=1.5, min=1.0, max=3.0,
+        update=_noticed,
+    )
+    thickness: FloatProperty(
+        name="Thickness",
+        description="Of the clear layer, along the normal: how far its absorption acts",
+        default=0.01, min=0.0, soft_max=1.0, subtype='DISTANCE',
+        update=_noticed,
+    )
+    bounces: IntProperty(
+        name="Bounces",
+        description="How often light that leaves the layer has met its base, at most",
+        default=2, min=1, max=8,
+        update=_noticed,
+    )
+    metal: EnumProperty(
+        name="Base",
+        description="What the clear layer lies on",
+        items=(
+            ('NODES', "From Nodes", "As the material's shader node says"),
+            *((name, name.title(), "") for name in sorted(INDICES)),
+        ),
+        default='NODES',
         update=_noticed,
     )
     ndf: EnumProperty(

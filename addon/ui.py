@@ -172,6 +172,10 @@ class VERGLAS_MATERIAL_PT_glass(VerglasPanel, bpy.types.Panel):
             layout.prop(settings, "inner_roughness")
             layout.template_ID(settings, "inner_image", open="image.open")
             layout.prop(settings, "inner_reflections")
+        elif settings.kind == 'COATED':
+            for name in ("outer_roughness", "coating_ior", "metal", "bounces", "thickness",
+                         "absorption_color", "absorption_density"):
+                layout.prop(settings, name)
         else:
             layout.prop(settings, "absorption_color")
             layout.prop(settings, "absorption_density")

@@ -62,8 +62,8 @@ def _color(lamp: bpy.types.Light, title: str, warn: Warn) -> np.ndarray:
 
 def _add_area(scene: core.Scene, obj: bpy.types.Object, matrix: np.ndarray, axis: np.ndarray,
               power: np.ndarray) -> None:
-    """Disks of the lamp's area together. Blender's area lamps of P watts have an intensity of P / 4 along their
-    axis."""
+    """Disks of the lamp's area together. Blender's area lamps of P watts have an intensity of P / 4 along
+    their axis."""
     lamp = obj.data
     side = np.array([lamp.size, lamp.size_y if lamp.shape in {'RECTANGLE', 'ELLIPSE'} else lamp.size])
     x, y = matrix[:3, 0] * side[0], matrix[:3, 1] * side[1]

@@ -6,7 +6,7 @@ from collections.abc import Hashable
 import bpy
 import numpy as np
 
-from .. import compat
+from .. import compat, conductors
 from .. import verglas_core as core
 from ..faults import Warn
 from . import expressions, images, nodes
@@ -92,7 +92,8 @@ def _surface(material: bpy.types.Material, output: bpy.types.Node, owner: str, w
     ignored = []
     glass = None
     for shader, groups in nodes.shader_nodes(nodes.Input(output.inputs["Surface"])):
-        read = _READERS.get(shader.type)
+        is_base = material.verglas.kind == 'COATED' and shader.type in _BASES
+        read = _coated if is_base else _READERS.get(shader.type)
         if glass is None and read is not None:
             glass = read(material.name, nodes.Node(shader, groups, owner, warn), check_images)
             if glass is not None:
@@ -123,7 +124,7 @@ def _principled_bsdf(name: str, node: nodes.Node, check_images: bool) -> Glass |
     metallic = np.clip(node.scalar("Metallic"), 0.0, 1.0)
     transmission = np.clip(node.scalar(*compat.TRANSMISSION), 0.0, 1.0) * (1.0 - metallic)
     if transmission == 0.0:
-        return None
+        return _principled_coat(name, node, check_images)
     if transmission < 1.0:
         node.warn(f"lets only {transmission:.0%} of the light through, which isn't supported yet; "
                   "it is rendered as glass altogether")
@@ -143,11 +144,50 @@ def _principled_bsdf(name: str, node: nodes.Node, check_images: bool) -> Glass |
     return glass
 
 
+def _principled_coat(name: str, node: nodes.Node, check_images: bool) -> Glass | None:
+    """None without a coat."""
+    weight = node.scalar(*compat.COAT)
+    if weight <= 0.0:
+        return None
+    if weight < 1.0:
+        node.warn(f"has a coat of weight {weight:.2g}; it is rendered as a whole one")
+    glass = _coated(name, node, check_images)
+    _set_roughness(glass, node.input(*compat.COAT_ROUGHNESS), node, check_images)
+    glass.ndf = NDF_OF_DISTRIBUTION['GGX']
+    if node.input("Coat IOR") is not None:
+        glass.ior = _ior(node, "Coat IOR")
+    tint = np.ones(3) if node.input("Coat Tint") is None else np.clip(node.color("Coat Tint"), 1e-3, 1.0)
+    # Straight there and back
+    glass.absorption = -np.log(tint) / (2.0 * glass.layer.thickness)
+    return glass
+
+
+def _coated(name: str, node: nodes.Node, check_images: bool) -> Glass:
+    """A clear layer on what the node is of."""
+    glass = Glass(name)
+    glass.kind = 'COATED'
+    layer = glass.layer
+    layer.base_color = np.clip(node.color("Base Color", "Color"), 0.0, 1.0)
+    metallic = node.scalar("Metallic", default=0.0)
+    is_matte = node.node.type == 'BSDF_PRINCIPLED' and metallic < 0.5
+    layer.diffuse = is_matte or node.node.type == 'BSDF_DIFFUSE'
+    if 0.0 < metallic < 1.0:
+        base = "diffuse" if layer.diffuse else "metal"
+        node.warn(f"is metallic by {metallic:.2g}, which isn't supported yet; its base is rendered as {base}")
+    if not layer.diffuse:
+        layer.roughness, glass.inner_roughness_map = _roughness(node.input("Roughness"), node, check_images)
+    _set_relief(glass, node, check_images)
+    return glass
+
+
 _READERS = {
     'BSDF_GLASS': _glass_bsdf,
     'BSDF_REFRACTION': _refraction_bsdf,
     'BSDF_PRINCIPLED': _principled_bsdf,
 }
+
+_BASES = frozenset({'BSDF_DIFFUSE', 'BSDF_GLOSSY', 'BSDF_METALLIC', 'BSDF_PRINCIPLED'})
+"""Types of the shader nodes that a material of kind 'COATED' has its base from."""
 
 GLASS_NODES = frozenset(_READERS)
 """Types of the shader nodes that can be glass."""
@@ -161,14 +201,20 @@ def _microfacet(name: str, node: nodes.Node, check_images: bool) -> Glass:
     if distribution == 'SHARP':
         glass.roughness = 0.0
     else:
-        _set_roughness(glass, node, check_images)
-    glass.ior = _ior(node)
+        _set_roughness(glass, node.input("Roughness"), node, check_images)
+    glass.ior = _ior(node, "IOR")
     _set_relief(glass, node, check_images)
     return glass
 
 
-def _set_roughness(glass: Glass, node: nodes.Node, check_images: bool) -> None:
-    found = node.input("Roughness")
+def _set_roughness(glass: Glass, found: nodes.Input, node: nodes.Node, check_images: bool) -> None:
+    glass.roughness, glass.roughness_map = _roughness(found, node, check_images)
+
+
+def _roughness(found: nodes.Input, node: nodes.Node,
+               check_images: bool) -> tuple[float, expressions.Expression | None]:
+    """The node's value for an input, and what is in its place where it varies."""
+    expression = None
     roughness = nodes.own_value(found.socket)
     try:
         expression = expression_of(found, check_images)
@@ -176,10 +222,8 @@ def _set_roughness(glass: Glass, node: nodes.Node, check_images: bool) -> None:
         node.warn(f"takes its {found.socket.name} from {fault}; the input's own value is used")
     else:
         if expression.is_constant:
-            roughness = float(expression.evaluate(expressions.Points({})))
-        else:
-            glass.roughness_map = expression
-    glass.roughness = float(np.clip(roughness, 0.0, 1.0))
+            roughness, expression = float(expression.evaluate(expressions.Points({}))), None
+    return float(np.clip(roughness, 0.0, 1.0)), expression
 
 
 def _set_relief(glass: Glass, node: nodes.Node, check_images: bool) -> None:
@@ -192,8 +236,8 @@ def _set_relief(glass: Glass, node: nodes.Node, check_images: bool) -> None:
         glass.bump_map.strength, glass.bump_map.distance = heights.strength, heights.distance
 
 
-def _ior(node: nodes.Node) -> float:
-    ior = node.scalar("IOR")
+def _ior(node: nodes.Node, name: str) -> float:
+    ior = node.scalar(name)
     clamped = float(np.clip(ior, *IOR_RANGE))
     if not np.isclose(ior, clamped):
         node.warn(f"has an IOR of {ior:g}; it is rendered with {clamped:.3g}, as indices reach from 1/3 to 3")
@@ -218,7 +262,9 @@ def _apply_panel(material: bpy.types.Material, glass: Glass, warn: Warn, check_i
                  has_volume: bool) -> None:
     """What the Verglas panel adds to the nodes."""
     settings = material.verglas
-    if settings.kind == 'PANE':
+    if glass.kind == 'COATED':
+        _apply_coating(settings, glass)
+    elif settings.kind == 'PANE':
         _apply_pane(material, glass, warn, check_images)
     if settings.ndf != 'NODES':
         glass.ndf = settings.ndf
@@ -240,6 +286,17 @@ def _apply_pane(material: bpy.types.Material, glass: Glass, warn: Warn, check_im
     except images.Unreadable as fault:
         warn(f"Material '{material.name}' takes its inner roughness from image "
              f"'{settings.inner_image.name}', which {fault}; its own value is used.")
+
+
+def _apply_coating(settings: bpy.types.PropertyGroup, glass: Glass) -> None:
+    layer = glass.layer
+    if settings.kind == 'COATED':
+        glass.roughness, glass.ior = settings.outer_roughness, settings.coating_ior
+        layer.thickness = settings.thickness
+    layer.bounces = settings.bounces
+    if settings.kind == 'COATED' and settings.metal != 'NODES':
+        layer.diffuse = False
+        layer.base_color, layer.edge_tint = conductors.reflectance(settings.metal, glass.ior)
 
 
 def _absorption(color: np.ndarray, density: float) -> np.ndarray:

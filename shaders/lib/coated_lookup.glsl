@@ -19,11 +19,13 @@ SHARED BaseLight first_bounce(Coating coating, vec3 d, vec3 n) {
 
 // The share of a wide lobe in the layer that leaves it: what lies within the critical angle, less what is reflected at
 // straight incidence. Few rays see too little of such an edge. Facets turn light to the edge and from it; that lobes of
-// the base are flatter than spherical Gaussians was measured for kappa 1, 10 and 30.
+// the base are flatter than spherical Gaussians was measured for kappa 1, 10 and 30; for a diffuse one it is exact at an
+// eta of 1.5.
 SHARED float share_within_critical_angle(Coating coating, Lobe up, vec3 n) {
     float eta = coating.outer.eta;
     float alpha = alpha_from_roughness(coating.outer.near_roughness);
-    float spread = 1.2f * up.spread + 0.5f * alpha * alpha;
+    float flatness = coating.diffuse ? 1.34f : 1.2f;
+    float spread = flatness * up.spread + 0.5f * alpha * alpha;
     float straight = (eta - 1.0f) / (eta + 1.0f);
     return (1.0f - straight * straight) *
            cap_share(spread, 1.0f - critical_cosine(1.0f / eta), 1.0f - dot(up.direction, n));

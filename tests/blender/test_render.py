@@ -214,9 +214,9 @@ def test_unsupported_settings_are_named(scene):
 
 def test_warnings_reach_the_console(scene, capfd):
     """Who renders without a window would never see a warning."""
-    add(bpy.data.lights.new("Lamp", 'POINT'), "Lamp")
+    add(bpy.data.volumes.new("Smoke"), "Smoke")
     bpy.ops.render.render()
-    assert "Warning: Light 'Lamp'" in capfd.readouterr().out
+    assert "Warning: Volume 'Smoke'" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize("device", ['OPENGL', 'CPU'])

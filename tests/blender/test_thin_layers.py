@@ -6,9 +6,11 @@ import math
 import bpy
 import numpy as np
 import pytest
-from scenes import add, add_camera, frosted, render, set_background, set_map
+from scenes import add, add_camera, frosted, new_material, node_of, render, set_background, set_map
 from test_against_cycles import render_cycles
-from verglas import faults
+from verglas import compat, faults
+from verglas import verglas_core as core
+from verglas.sync import objects
 
 
 def add_pane(material: bpy.types.Material, thickness: float = 0.0) -> bpy.types.Object:
@@ -139,3 +141,62 @@ def test_cone_of_a_spot_is_named(small):
     add_lamp('SPOT')
     render(small)
     assert any("'Lamp'" in text and "cone" in text for text in faults.warnings())
+
+
+def core_material(material: bpy.types.Material) -> core.Material:
+    """As the core gets it."""
+    add_pane(material)
+    made = core.Scene()
+    objects.add_objects(made, bpy.context.evaluated_depsgraph_get(), pytest.fail)
+    return made.materials[0]
+
+
+def principled(metallic: float, coat_roughness: float) -> bpy.types.Material:
+    material = new_material("Lacquer", "ShaderNodeBsdfPrincipled", Metallic=metallic, Roughness=0.5,
+                            Base_Color=(0.8, 0.2, 0.1, 1.0))
+    node = node_of(material.node_tree, "ShaderNodeBsdfPrincipled")
+    node.inputs[next(name for name in compat.COAT if name in node.inputs)].default_value = 1.0
+    node.inputs[next(name for name in compat.COAT_ROUGHNESS
+                     if name in node.inputs)].default_value = coat_roughness
+    return material
+
+
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
+@pytest.mark.usefixtures("scene")
+def test_coat_of_principled_is_a_coating(metallic):
+    """Car paint and lacquer would be left out, or have the roughness of the wrong side."""
+    made = core_material(principled(metallic, 0.1))
+    assert made.kind == 'COATED' and made.layer.diffuse == (metallic == 0.0)
+    assert made.roughness == pytest.approx(0.1)
+    assert made.layer.roughness == pytest.approx(0.5 if metallic else 0.25)
+    assert made.layer.base_color == pytest.approx((0.8, 0.2, 0.1))
+
+
+@pytest.mark.usefixtures("scene")
+def test_metal_under_a_coating():
+    """Gold would look as whatever metal, or as gold in air."""
+    material = new_material("Gilt", "ShaderNodeBsdfDiffuse")
+    material.verglas.kind, material.verglas.metal = 'COATED', 'GOLD'
+    made = core_material(material)
+    assert made.kind == 'COATED' and not made.layer.diffuse
+    red, green, blue = made.layer.base_color
+    assert 0.9 < red < 1.0 and 0.5 < green < red and blue < 0.5 * red
+    # ((n - 1.5)^2 + k^2) / ((n + 1.5)^2 + k^2) with n = 0.183, k = 3.424
+    assert red == pytest.approx(0.9255, abs=0.005)
+
+
+@pytest.mark.parametrize("diffuse", [False, True])
+@pytest.mark.usefixtures("device")
+def test_coating_is_as_the_reference_has_it(small, diffuse):
+    """Lacquered objects would be too dark or too bright beside the reference's."""
+    set_background(small)
+    material = new_material("Lacquer", "ShaderNodeBsdfDiffuse" if diffuse else "ShaderNodeBsdfGlossy",
+                            Color=(0.8, 0.4, 0.2, 1.0))
+    if not diffuse:
+        node_of(material.node_tree, "ShaderNodeBsdfGlossy").inputs["Roughness"].default_value = 0.3
+    material.verglas.kind, material.verglas.outer_roughness = 'COATED', 0.2
+    add_pane(material)
+    picture = render(small).rgb.mean((0, 1))
+    small.verglas.method, small.verglas.reference_samples = 'REFERENCE', 256
+    truth = render(small).rgb.mean((0, 1))
+    assert picture == pytest.approx(truth, rel=0.05)
