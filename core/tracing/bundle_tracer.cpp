@@ -319,32 +319,57 @@ void BundleTracer::meet_layer(const Meeting& meeting, Wave& next) const {
         greatest_lobe = &lobe;
     }
     for (const LayerLobe& lobe : lobes.all()) {
-        const bool is_pane = meeting.material.kind == MaterialKind::Pane;
-        const bool is_reflection =
-            lobe.way == LayerLobe::Way::Mirrored || (is_pane && lobe.way == LayerLobe::Way::FromWithin);
-        if (is_reflection && !settings_.reflection) continue;
-        const Branch branch{.way = lobe.way == LayerLobe::Way::Through ? Way::Through : Way::Reflected,
-                            .lobe = lobe.lobe,
-                            .color = lobe.color,
-                            .weight = meeting.beam.weight * lobe.lobe.energy * lobe.color};
-        if (sample_ > 0 && lobe.way == LayerLobe::Way::FromWithin)
-            draw_lobe(meeting, branch, static_cast<int>(&lobe - lobes.all().data()), next);
-        else
-            branch_off(meeting, branch, &lobe == greatest_lobe, next);
+        if (sample_ > 0 && lobe.way == LayerLobe::Way::FromWithin) continue;
+        if (lobe.is_reflection(meeting.material) && !settings_.reflection) continue;
+        branch_off(meeting, branch_of(meeting, lobe), &lobe == greatest_lobe, next);
+    }
+    if (sample_ > 0) draw_from_within(meeting, lobes, next);
+}
+
+BundleTracer::Branch BundleTracer::branch_of(const Meeting& meeting, const LayerLobe& lobe) {
+    return {.way = lobe.way == LayerLobe::Way::Through ? Way::Through : Way::Reflected,
+            .lobe = lobe.lobe,
+            .color = lobe.color,
+            .weight = meeting.beam.weight * lobe.lobe.energy * lobe.color};
+}
+
+// Light from the base of a coating: of its lobes four at the front, else one, drawn by their weight.
+void BundleTracer::draw_from_within(const Meeting& meeting, const LayerLobes& lobes, Wave& next) const {
+    if (meeting.beam.interfaces >= max_drawn_interfaces) return;
+    float sum = 0.0F;
+    for (const LayerLobe& lobe : lobes.all()) {
+        if (lobe.way != LayerLobe::Way::FromWithin) continue;
+        const Branch branch = branch_of(meeting, lobe);
+        light(meeting, branch);
+        sum += greatest(branch.weight);
+    }
+    const int count = meeting.beam.interfaces == 0 ? model::BUNDLE_RAYS : 1;
+    for (int number = 0; number < count && sum > 0.0F; ++number) {
+        Beam outgoing = meeting.beam;
+        if (meeting.beam.interfaces == 0) outgoing.number = number;
+        const SobolPoint point = point_of(outgoing);
+        float choice = sum * point[first_walk_dimension + outgoing.interfaces * walk_dimensions + 2];
+        for (const LayerLobe& lobe : lobes.all()) {
+            if (lobe.way != LayerLobe::Way::FromWithin) continue;
+            Branch branch = branch_of(meeting, lobe);
+            const float weight = greatest(branch.weight);
+            choice -= weight;
+            if (choice >= 0.0F || weight <= 0.0F) continue;
+            branch.weight *= sum / (weight * static_cast<float>(count));
+            draw_lobe(meeting, branch, outgoing, next);
+            break;
+        }
     }
 }
 
-// A direction from a lobe as a spherical Gaussian, for what hasn't been drawn by facets. number: the lobe's.
-void BundleTracer::draw_lobe(const Meeting& meeting, const Branch& branch, int number, Wave& next) const {
-    if (greatest(branch.weight) <= 0.0F || meeting.beam.interfaces >= max_drawn_interfaces) return;
-    light(meeting, branch);
-    Beam outgoing = meeting.beam;
+// A direction from a lobe as a spherical Gaussian, where it hasn't been drawn by facets.
+void BundleTracer::draw_lobe(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const {
     outgoing.weight = branch.weight;
     const SobolPoint point = point_of(outgoing);
-    const int first = first_walk_dimension + outgoing.interfaces * walk_dimensions + 3 * (number % 8);
+    const int first = first_walk_dimension + outgoing.interfaces * walk_dimensions;
     const float chance = greatest(outgoing.weight) / least_drawn_weight;
-    if (chance < 1.0F) {
-        if (point[first + 2] >= chance) return;
+    if (chance < 1.0F && outgoing.interfaces > 0) {
+        if (point[first + 3] >= chance) return;
         outgoing.weight /= chance;
     }
     const glm::vec2 u = point.pair(first);

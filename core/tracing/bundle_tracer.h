@@ -14,6 +14,7 @@
 #include "core/scene/settings.h"
 #include "core/tracing/camera_rays.h"
 #include "core/tracing/divergence.h"
+#include "core/tracing/layer_lobes.h"
 #include "core/tracing/traced_scene.h"
 
 namespace verglas {
@@ -87,7 +88,9 @@ class BundleTracer {
     void draw_ray(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
     void look_between(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Beam& outgoing) const;
     SobolPoint point_of(const Beam& beam) const;
-    void draw_lobe(const Meeting& meeting, const Branch& branch, int number, Wave& next) const;
+    static Branch branch_of(const Meeting& meeting, const LayerLobe& lobe);
+    void draw_from_within(const Meeting& meeting, const LayerLobes& lobes, Wave& next) const;
+    void draw_lobe(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
     void draw_layer(const Meeting& meeting, Wave& next) const;
     void draw_mirrored(const Meeting& meeting, Wave& next) const;
     void draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) const;

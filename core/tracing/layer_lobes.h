@@ -20,6 +20,11 @@ struct LayerLobe {
     Way way;
     model::Lobe lobe;
     glm::vec3 color;  // factor on the lobe's energy
+
+    // Rather than what is seen through a pane, or of the base under a coating.
+    bool is_reflection(const Material& material) const {
+        return way == Way::Mirrored || (way == Way::FromWithin && material.kind == MaterialKind::Pane);
+    }
 };
 
 class LayerLobes {
