@@ -3,9 +3,10 @@
 
     blender --background --factory-startup --python blend_files/make_scenes.py [-- NAME ...]
 
-Every scene is one object of frosted glass at the origin, under the same HDR map but for the pane, which a
-sun stands behind. All meshes but Blender's monkey are closed with outward normals, which is checked; the
-monkey is open behind its eyes, as Blender makes it.
+The add-on has to be installed. Every scene is one object at the origin, of frosted glass or coated, under
+the same HDR map but for the pane, which a sun stands behind. All meshes but Blender's monkey and the window's
+sheet are closed with outward normals, which is checked; the monkey is open behind its eyes, as Blender makes
+it.
 """
 
 import sys
@@ -14,6 +15,7 @@ from math import acos, atan2, cos, degrees, pi, radians, sin, sqrt, tan
 from pathlib import Path
 from typing import NamedTuple
 
+import addon_utils
 import bmesh
 import bpy
 from mathutils import Matrix, Vector
@@ -27,12 +29,12 @@ ENGINE = "VERGLAS"
 
 # Meshes
 
-def new_mesh(name, bm, smooth):
-    """The bmesh as a mesh, checked to be closed and turned outwards. Frees the bmesh."""
-    for edge in bm.edges:
+def new_mesh(name, bm, smooth, closed=True):
+    """The bmesh as a mesh; what is closed is checked to be so and turned outwards. Frees the bmesh."""
+    for edge in bm.edges if closed else ():
         assert len(edge.link_faces) == 2, f"{name}: an edge has {len(edge.link_faces)} faces"
         assert edge.is_contiguous, f"{name}: neighbouring faces are wound against each other"
-    assert bm.calc_volume(signed=True) > 0, f"{name}: the normals point inwards"
+    assert not closed or bm.calc_volume(signed=True) > 0, f"{name}: the normals point inwards"
     for face in bm.faces:
         face.smooth = smooth
     mesh = bpy.data.meshes.new(name)
@@ -217,6 +219,75 @@ def glass(roughness):
     return material
 
 
+def etched():
+    """A thin pane whose inner side is frosted but for stripes; its picture is stored in the .blend."""
+    material = glass(0.02)
+    material.name = "Etched"
+    width = 256
+    image = bpy.data.images.new("Stripes", width, 1, float_buffer=True, is_data=True)
+    image.pixels.foreach_set([value for x in range(width)
+                              for value in 3 * [0.1 + 0.5 * abs(sin(4 * pi * x / width))] + [1.0]])
+    image.pack()
+    material.verglas.kind = 'PANE'
+    material.verglas.inner_image = image
+    return material
+
+
+def lacquer():
+    """Gold under a clear layer."""
+    material = glass(0.0)
+    material.name = "Lacquer"
+    tree = material.node_tree
+    output = next(node for node in tree.nodes if node.type == 'OUTPUT_MATERIAL')
+    tree.nodes.remove(next(node for node in tree.nodes if node.type == 'BSDF_GLASS'))
+    bsdf = tree.nodes.new("ShaderNodeBsdfGlossy")
+    bsdf.distribution = 'BECKMANN'
+    bsdf.inputs["Roughness"].default_value = 0.4
+    tree.links.new(bsdf.outputs["BSDF"], output.inputs["Surface"])
+    material.verglas.kind, material.verglas.metal = 'COATED', 'GOLD'
+    return material
+
+
+def coated_grid():
+    """ENDF Fig. 18: 4 x 4 spheres, the outer side's roughness by row, the base's by column."""
+    roughnesses = [min((2 / kappa) ** 0.25, 1.0) for kappa in (1e6, 1e3, 10, 1)]
+    bm = bmesh.new()
+    for row in range(4):
+        for column in range(4):
+            made = bmesh.ops.create_uvsphere(bm, u_segments=48, v_segments=24, radius=0.24)
+            bmesh.ops.translate(bm, verts=made["verts"], vec=(0.55 * column - 0.825, 0, 0.55 * row - 0.825))
+            for face in {face for vertex in made["verts"] for face in vertex.link_faces}:
+                face.material_index = 4 * row + column
+    grid = bpy.data.objects.new("Coated Grid", new_mesh("Coated Grid", bm, smooth=True))
+    for outer in roughnesses:
+        for base in roughnesses:
+            material = lacquer()
+            material.verglas.metal = 'COPPER'
+            material.verglas.outer_roughness = outer
+            node = next(node for node in material.node_tree.nodes if node.type == 'BSDF_GLOSSY')
+            node.inputs["Roughness"].default_value = base
+            grid.data.materials.append(material)
+    return grid
+
+
+def window():
+    """A sheet of 4.4 x 4.4 that covers the picture, upright, its front to the camera."""
+    bm = bmesh.new()
+    bm.loops.layers.uv.new()
+    bmesh.ops.create_grid(bm, x_segments=1, y_segments=1, size=2.2, calc_uvs=True)
+    bmesh.ops.rotate(bm, verts=bm.verts, matrix=Matrix.Rotation(radians(90), 3, 'X'))
+    return bpy.data.objects.new("Window", new_mesh("Window", bm, smooth=False, closed=False))
+
+
+def lamp():
+    """A glowing ball behind the window."""
+    data = bpy.data.lights.new("Lamp", 'POINT')
+    data.energy, data.color, data.shadow_soft_size = 300, (1.0, 0.7, 0.4), 0.4
+    lamp = bpy.data.objects.new("Lamp", data)
+    lamp.location = (0.4, 1.5, 0.3)
+    return lamp
+
+
 def land_and_water():
     """Glass that is rough where land is and smoother on water: as Blinn-Phong's exponents 4.2 and 100."""
     land, water = ((2 / (exponent + 2)) ** 0.25 for exponent in (4.2, 100))
@@ -310,6 +381,7 @@ class Sample(NamedTuple):
     materials: tuple  # a roughness or what makes the material, each
     rotation: tuple = (0, 0, 0)
     make_world: Callable = park
+    make_lamp: Callable = None
 
 
 SCENES = {
@@ -320,12 +392,16 @@ SCENES = {
     "slab": Sample(slab, (0.4,), (0, 0, radians(30))),
     "pane": Sample(pane, (0.35, 0.0), make_world=sun),
     "globe": Sample(globe, (land_and_water,), (0, 0, radians(60))),
+    "window": Sample(window, (etched,), make_lamp=lamp),
+    "coated": Sample(monkey, (lacquer,)),
+    "coated_grid": Sample(coated_grid, ()),
     "gem": Sample(gem, (0.25,), (radians(42), radians(-12), 0)),
 }
 
 
 def make(name):
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    assert addon_utils.enable("verglas"), "The add-on 'verglas' has to be installed: ./verglas setup"
     sample = SCENES[name]
     scene = bpy.context.scene
     object = sample.make_object()
@@ -334,6 +410,8 @@ def make(name):
     object.rotation_euler = sample.rotation
     for material in sample.materials:
         object.data.materials.append(material() if callable(material) else glass(material))
+    if sample.make_lamp:
+        scene.collection.objects.link(sample.make_lamp())
     scene.world = sample.make_world()
     scene.camera = camera()
     scene.collection.objects.link(scene.camera)

@@ -20,6 +20,13 @@ def add(scene: core.Scene, obj: bpy.types.Object, matrix: np.ndarray, warn: Warn
     if not np.isfinite(matrix).all():
         warn(f"{title} has a transform that is no number; it is left out.")
         return
+    try:
+        _add(scene, obj, matrix, title, warn)
+    except core.Error as fault:
+        warn(f"{fault} It is left out.")
+
+
+def _add(scene: core.Scene, obj: bpy.types.Object, matrix: np.ndarray, title: str, warn: Warn) -> None:
     lamp = obj.data
     power = lamp.energy * _color(lamp, title, warn)
     if not power.any():

@@ -262,6 +262,10 @@ def _apply_panel(material: bpy.types.Material, glass: Glass, warn: Warn, check_i
                  has_volume: bool) -> None:
     """What the Verglas panel adds to the nodes."""
     settings = material.verglas
+    if (glass.kind == 'COATED') != (settings.kind == 'COATED') and settings.kind != 'SOLID':
+        wanted = "a thin pane" if settings.kind == 'PANE' else "coated"
+        warn(f"Material '{material.name}' can't be {wanted} with the shader that it has; "
+             f"it is rendered as {'coated' if glass.kind == 'COATED' else 'solid glass'}.")
     if glass.kind == 'COATED':
         _apply_coating(settings, glass)
     elif settings.kind == 'PANE':

@@ -42,6 +42,12 @@ SHARED float overhang_factor(float roughness) {
     return pow(unhidden(max(alpha_from_roughness(roughness), 1e-4f)), 0.45f);
 }
 
+// Of what enters, which they lose the more at flat angles.
+SHARED float entering_factor(float roughness, float cos_theta) {
+    float lost = 1.0f - unhidden(max(alpha_from_roughness(roughness), 1e-4f));
+    return overhang_factor(roughness) * mix(1.0f, 0.5f + 0.78f * cos_theta, lost / 0.726f);
+}
+
 // The lobe of light from one direction that a rough mirror reflects; energies within 0.08, spreads within a fifth.
 SHARED Lobe rough_mirror(float alpha, vec3 d, vec3 n) {
     float x = alpha * alpha;

@@ -13,7 +13,7 @@ SHARED BaseLight after_base(Coating coating, Lobe down, vec3 color, vec3 n) {
 SHARED BaseLight first_bounce(Coating coating, vec3 d, vec3 n) {
     Pane outer = coating.outer;
     Lobe entered = refracted_lobe(outer.entering, outer.eta, outer.near_roughness, d, n, TIR_NONE);
-    entered.energy *= overhang_factor(outer.near_roughness);
+    entered.energy *= entering_factor(outer.near_roughness, clamp(-dot(d, n), 0.0f, 1.0f));
     return after_base(coating, entered, vec3(1.0f), n);
 }
 
@@ -24,11 +24,15 @@ SHARED BaseLight first_bounce(Coating coating, vec3 d, vec3 n) {
 SHARED float share_within_critical_angle(Coating coating, Lobe up, vec3 n) {
     float eta = coating.outer.eta;
     float alpha = alpha_from_roughness(coating.outer.near_roughness);
-    float flatness = coating.diffuse ? 1.34f : 1.2f;
-    float spread = flatness * up.spread + 0.5f * alpha * alpha;
     float straight = (eta - 1.0f) / (eta + 1.0f);
-    return (1.0f - straight * straight) *
-           cap_share(spread, 1.0f - critical_cosine(1.0f / eta), 1.0f - dot(up.direction, n));
+    return (1.0f - straight * straight) * cap_share(up.spread + 0.5f * alpha * alpha,
+                                                    1.0f - critical_cosine(1.0f / eta), 1.0f - dot(up.direction, n));
+}
+
+// The same of light from the base.
+SHARED float share_of_base_light(Coating coating, Lobe up, vec3 n) {
+    up.spread *= coating.diffuse ? 1.34f : 1.2f;
+    return share_within_critical_angle(coating, up, n);
 }
 
 // How far that counts in place of the tables: for wide lobes, under a side that is not rough itself.
@@ -50,11 +54,18 @@ SHARED Fan leaving_light(Coating coating, BaseLight light, vec3 n) {
     Fan fan = fanned_out(coating.outer, roughness, light.lobe, -n, overhang_factor(roughness));
     float t = edge_weight(coating, light.lobe);
     if (t <= 0.0f) return fan;
+    float shares[FAN_RAYS];
     float sum = 0.0f;
-    for (int i = 0; i < FAN_RAYS; ++i) sum += fan.lobes[i].energy;
-    float share = share_within_critical_angle(coating, light.lobe, n);
-    float factor = mix(1.0f, light.lobe.energy * overhang_factor(roughness) * share / max(sum, 1e-6f), t);
-    for (int i = 0; i < FAN_RAYS; ++i) fan.lobes[i].energy *= factor;
+    for (int i = 0; i < FAN_RAYS; ++i) {
+        Lobe ray = light.lobe;
+        ray.direction = fan_ray(light.lobe, -n, i);
+        ray.spread *= FAN_LEFT;
+        shares[i] = share_within_critical_angle(coating, ray, n);
+        sum += shares[i];
+    }
+    float energy = light.lobe.energy * overhang_factor(roughness) * share_of_base_light(coating, light.lobe, n);
+    for (int i = 0; i < FAN_RAYS; ++i)
+        fan.lobes[i].energy = mix(fan.lobes[i].energy, energy * shares[i] / max(sum, 1e-6f), t);
     return fan;
 }
 
@@ -63,7 +74,7 @@ SHARED BaseLight next_bounce(Coating coating, BaseLight light, vec3 n) {
     float roughness = coating.outer.near_roughness;
     Lobe down = kept_inside(coating.outer, roughness, light.lobe, -n);
     float t = edge_weight(coating, light.lobe);
-    float kept = light.lobe.energy * (1.0f - share_within_critical_angle(coating, light.lobe, n));
+    float kept = light.lobe.energy * (1.0f - share_of_base_light(coating, light.lobe, n));
     down.energy = overhang_factor(roughness) * mix(down.energy, kept, t);
     return after_base(coating, down, light.color, n);
 }

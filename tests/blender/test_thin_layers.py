@@ -200,3 +200,28 @@ def test_coating_is_as_the_reference_has_it(small, diffuse):
     small.verglas.method, small.verglas.reference_samples = 'REFERENCE', 256
     truth = render(small).rgb.mean((0, 1))
     assert picture == pytest.approx(truth, rel=0.05)
+
+
+@pytest.mark.parametrize("kind, node, inputs", [
+    ('COATED', "ShaderNodeBsdfGlass", {}),
+    ('PANE', "ShaderNodeBsdfPrincipled", {name: 1.0 for name in compat.COAT}),
+])
+def test_kind_that_the_shader_cannot_be_is_named(small, kind, node, inputs):
+    """A material would be something else than it is set to, without a word."""
+    material = new_material("Odd", node)
+    for name in inputs:
+        if name in node_of(material.node_tree, node).inputs:
+            node_of(material.node_tree, node).inputs[name].default_value = 1.0
+    material.verglas.kind = kind
+    add_pane(material)
+    render(small)
+    assert any("'Odd' can't be" in text for text in faults.warnings())
+
+
+def test_lamp_that_is_no_number_is_named(small):
+    """A broken driver on a lamp would end the render."""
+    set_background(small)
+    add_lamp('POINT').data.energy = float("inf")
+    add_pane(pane_material(0.2, 0.2))
+    assert render(small).rgb.min() > 0.0
+    assert any("'Lamp'" in text for text in faults.warnings())

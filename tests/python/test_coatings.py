@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Coated surfaces on both devices, against recursive sampling of both interfaces by the path tracer."""
+
+import itertools
+
+import numpy as np
+import pytest
+import verglas_core as verglas
+from test_panes import FOREST, camera_at, device, forest, scene_of, square  # noqa: F401
+from conftest import flat_faces
+
+KAPPAS = (1.0, 10.0, 1e3, 1e6)
+ANGLES = (10, 35, 60, 75)
+SIZE = 4
+
+
+def coating_of(kappa, base_kappa, **attributes):
+    """Roughness of both sides by the concentration of their normals, 2 / alpha^2. A white mirror as base."""
+    material = verglas.Material("Coating")
+    material.kind = 'COATED'
+    material.roughness = (2 / kappa) ** 0.25
+    material.layer.roughness = (2 / base_kappa) ** 0.25
+    material.layer.base_color = (1, 1, 1)
+    for name, value in attributes.items():
+        setattr(material.layer, name, value)
+    return material
+
+
+def coated_scene(material, degrees, light):
+    return scene_of(flat_faces("Plane", [square(50)]), [material], degrees, light)
+
+
+def rendered(device, scene, samples):  # noqa: F811
+    """(3,) in the mean over a few pixels."""
+    settings = verglas.Settings()
+    settings.width = settings.height = SIZE
+    settings.samples = samples
+    return device.render(scene, settings).combined[..., :3].mean((0, 1))
+
+
+def path_traced(scene, paths, layers='RECURSIVE'):
+    settings = verglas.PathSettings()
+    settings.width = settings.height = SIZE
+    settings.layers = layers
+    tracer = verglas.PathTracer(scene, settings)
+    tracer.render(paths)
+    return tracer.frame().combined[..., :3].mean((0, 1))
+
+
+@pytest.mark.parametrize("kappa", KAPPAS[1:])
+@pytest.mark.parametrize("base_kappa", KAPPAS)
+def test_furnace(device, kappa, base_kappa):  # noqa: F811
+    """A lacquer would add light that isn't there, or swallow some."""
+    for degrees in ANGLES:
+        scene = coated_scene(coating_of(kappa, base_kappa), degrees, 1.0)
+        energy = rendered(device, scene, 1).mean()
+        truth = path_traced(scene, 1024).mean()
+        print(f"{degrees} degrees: {energy:.3f}, truth {truth:.3f}")
+        assert energy < 1.005
+        assert energy == pytest.approx(truth, rel=0.1)
+
+
+@pytest.mark.parametrize("degrees", ANGLES)
+def test_diffuse_base(device, degrees):  # noqa: F811
+    """Lacquered wood and car paint would be too bright or too dark."""
+    scene = coated_scene(coating_of(1e3, 10.0, diffuse=True, base_color=(0.8, 0.4, 0.1)), degrees, 1.0)
+    assert rendered(device, scene, 1) == pytest.approx(path_traced(scene, 512), rel=0.04)
+
+
+def test_absorption_is_that_of_both_ways(device):  # noqa: F811
+    """Tinted lacquer would be too pale or too dark."""
+    material = coating_of(1e6, 1e6, thickness=0.5, bounces=1)
+    material.absorption = (0.2, 0.5, 1.0)
+    material.reflection_color = (0, 0, 0)
+    clear = coating_of(1e6, 1e6, bounces=1)
+    clear.reflection_color = (0, 0, 0)
+    ratio = (rendered(device, coated_scene(material, 0, 1.0), 1)
+             / rendered(device, coated_scene(clear, 0, 1.0), 1))
+    assert ratio == pytest.approx(np.exp([-0.2, -0.5, -1.0]), rel=0.01)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kappa, base_kappa", itertools.product(KAPPAS, KAPPAS))
+def test_is_closer_to_the_truth_than_weidlich_and_wilkie(forest, kappa, base_kappa):  # noqa: F811
+    """The layered model would be no better than the simplest one."""
+    renderer = verglas.Renderer()
+    errors = []
+    for degrees in ANGLES:
+        scene = coated_scene(coating_of(kappa, base_kappa), degrees, forest)
+        truth = path_traced(scene, 4096)
+        others = rendered(renderer, scene, 64), path_traced(scene, 1024, 'WEIDLICH_WILKIE')
+        errors.append([np.abs(other - truth).mean() / truth.mean() for other in others])
+    ours, baseline = np.mean(errors, axis=0)
+    print(f"kappa {kappa:g}, {base_kappa:g}: {ours:.3f}, Weidlich and Wilkie {baseline:.3f}")
+    assert ours < baseline
