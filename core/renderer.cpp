@@ -205,7 +205,8 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     const glm::vec2 offset = blackman_harris_offset(r2_point(canvas.samples), settings.filter_width);
     const View view{scene.camera.view, jittered(scene.camera.projection, offset, settings.size),
                     settings.size};
-    const ShadingInputs inputs{view, scene, settings, *environment_, targets.front, textures_.most_classes(), lights_};
+    const ShadingInputs inputs{
+        view, scene, settings, *environment_, targets.front, textures_.most_classes(), lights_};
     const Surfaces surfaces{scene.materials, textures_, reliefs_};
     const bool with_pyramid = RefractionPass::needs_pyramid(settings);
     const bool with_layers = RefractionPass::needs_layers(settings);
