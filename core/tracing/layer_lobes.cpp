@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/tracing/layer_lobes.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/tracing/crossing.h"
@@ -35,7 +36,7 @@ LayerLobes LayerLobes::of(const TracedScene& scene, const Hit& hit, const glm::v
 }
 
 void LayerLobes::add(const LayerLobe& lobe) {
-    if (lobe.lobe.energy > 0.0F) lobes_.push_back(lobe);
+    if (lobe.lobe.energy > 0.0F) lobes_[count_++] = lobe;
 }
 
 void LayerLobes::add(LayerLobe::Way way, const model::Fan& fan, const glm::vec3& color) {
@@ -67,7 +68,7 @@ void LayerLobes::add_coated(const TracedScene& scene, const Material& material, 
         else
             add(LayerLobe::Way::FromWithin, scene.lobes().leaving_light(coating, light, n),
                 color * light.color);
-        if (bounce >= layer.bounces || outer.reflection_inside < 0) return;
+        if (bounce >= std::min(layer.bounces, most_bounces) || outer.reflection_inside < 0) return;
         light = scene.lobes().next_bounce(coating, light, n);
     }
 }

@@ -2,9 +2,10 @@
 // What a thin layer makes of a ray that meets it, as lobes of light.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <glm/glm.hpp>
 #include <span>
-#include <vector>
 
 #include "core/material/model.h"
 #include "core/tracing/traced_scene.h"
@@ -34,7 +35,7 @@ class LayerLobes {
     static LayerLobes of(const TracedScene& scene, const Hit& hit, const glm::vec3& d, const glm::vec3& n,
                          bool entering);
 
-    std::span<const LayerLobe> all() const { return lobes_; }
+    std::span<const LayerLobe> all() const { return {lobes_.data(), count_}; }
 
   private:
     void add(const LayerLobe& lobe);
@@ -44,7 +45,12 @@ class LayerLobes {
     void add_coated(const TracedScene& scene, const Material& material, const model::Pane& outer,
                     const glm::vec3& d, const glm::vec3& n);
 
-    std::vector<LayerLobe> lobes_;
+    static constexpr int most_bounces = 8;
+    // Of a coating: each bounce's fan, and the mirrored one. A pane has fewer.
+    static constexpr std::size_t most_lobes = most_bounces * model::FAN_RAYS + 1;
+
+    std::array<LayerLobe, most_lobes> lobes_;
+    std::size_t count_ = 0;
 };
 
 }  // namespace verglas
