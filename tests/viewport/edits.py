@@ -9,6 +9,7 @@ import bpy
 import OpenImageIO as oiio
 import scenes
 import viewports
+from verglas import compat
 
 SAMPLES = 3
 
@@ -118,7 +119,8 @@ def set_transparent(is_transparent: bool) -> None:
 
 
 def set_engine(engine: str) -> None:
-    bpy.context.scene.render.engine = engine
+    """engine: its name, or 'EEVEE', whose name changes from version to version."""
+    bpy.context.scene.render.engine = compat.EEVEE if engine == 'EEVEE' else engine
 
 
 def save(path: str) -> None:

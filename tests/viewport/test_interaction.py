@@ -103,7 +103,7 @@ def test_quad_view(window):
     assert window.call("viewports.live") == 1
 
 
-@pytest.mark.parametrize("engine", ['BLENDER_WORKBENCH', 'BLENDER_EEVEE'])
+@pytest.mark.parametrize("engine", ['BLENDER_WORKBENCH', 'EEVEE'])
 def test_other_engine_and_back(window, engine):
     """Comparing engines would cost the viewport."""
     before = settled_picture(window)
