@@ -107,7 +107,7 @@ class Work:
         self._window.call("viewports.toggle_quad_view", 0)
 
     def engine(self):
-        engine = self._random.choice(('BLENDER_WORKBENCH', 'BLENDER_EEVEE'))
+        engine = self._random.choice(('BLENDER_WORKBENCH', 'EEVEE'))
         self._window.call("edits.set_engine", engine)
         self._window.call("edits.set_engine", 'VERGLAS')
 
