@@ -147,7 +147,7 @@ class Material:
     ndf: str
     """'BECKMANN' (default), 'GGX' or 'BLINN_PHONG'; the last with exponent 2 / roughness^4 - 2."""
     roughness: float
-    """Blender's slider, 0 … 1; alpha = roughness^2. Default 0.5."""
+    """Blender's slider, 0 … 1, of coatings … 1.189 (kappa = 2 / alpha^2 = 1); alpha = roughness^2. Default 0.5."""
     roughness_texture: Texture | None
     """Roughnesses in place of `roughness`, by the mesh's uvs; clamped to 0 … 1. Default None."""
     @property

@@ -42,7 +42,7 @@ struct Material {
     std::string name;
     MaterialKind kind = MaterialKind::Solid;
     Ndf ndf = Ndf::Beckmann;
-    float roughness = 0.5F;                            // 0 … 1, alpha = roughness^2
+    float roughness = 0.5F;  // 0 … 1, of coatings … MAX_ROUGHNESS; alpha is its square
     std::shared_ptr<const Texture> roughness_texture;  // in place of roughness; may be null
     Relief relief;                                     // of the normals
     float ior = 1.5F;                                  // inside relative to outside, 1 / max_eta … max_eta
