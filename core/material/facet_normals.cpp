@@ -6,6 +6,8 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "core/math/von_mises_fisher.h"
+
 namespace verglas {
 namespace {
 
@@ -89,15 +91,6 @@ glm::vec3 sample_blinn_phong(float alpha, glm::vec2 u) {
     const float sine = std::sqrt(std::max(1.0F - cosine * cosine, 0.0F));
     const float phi = 2.0F * pi * u.y;
     return {sine * std::cos(phi), sine * std::sin(phi), cosine};
-}
-
-// A normal of M(m; n, kappa).
-glm::vec3 sample_vmf(float kappa, glm::vec2 u) {
-    const float e = std::exp(-2.0F * kappa);
-    const float w = std::min(-std::log(e + (1.0F - u.x) * (1.0F - e)) / kappa, 2.0F);  // 1 - cos
-    const float sine = std::sqrt(w * (2.0F - w));
-    const float phi = 2.0F * pi * u.y;
-    return {sine * std::cos(phi), sine * std::sin(phi), 1.0F - w};
 }
 
 // M(m; n, kappa).

@@ -70,7 +70,7 @@ void LayeredBsdf::add_endf_bounces() {
     const glm::vec3 at_base = layer_.base().fresnel(cos_t) * (base_normals_.masking(cos_t) * left);
     glm::vec3 energy = material_.color * material_.color * ((1.0F - F) * normals_.masking(cos_t));
     float kappa = normals_.kappa() * refraction_jacobian(eta_, o_.z, cos_t);
-    const int bounces = std::min(material_.layer.bounces, max_bounces);
+    const int bounces = std::min(material_.layer.bounces, Layer::max_bounces);
     for (int k = 1; k <= bounces; ++k) {
         energy *= at_base;
         kappa = convolved(base_normals_.kappa() / (4.0F * cos_t), kappa);

@@ -20,8 +20,6 @@ enum class LayerModel {
 
 class LayeredBsdf {
   public:
-    static constexpr int max_bounces = 8;
-
     // model: not Recursive. alpha, base_alpha: of the material's roughness and its layer's. material must
     // outlive this.
     LayeredBsdf(LayerModel model, const Material& material, float alpha, float base_alpha,
@@ -65,7 +63,7 @@ class LayeredBsdf {
     FacetNormals base_normals_;
     float eta_;
     glm::vec3 t_;  // o, refracted, and turned so that it shows up from the base
-    std::array<Bounce, max_bounces + 1> bounces_;
+    std::array<Bounce, Layer::max_bounces + 1> bounces_;
     int count_ = 1;
 };
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
+#include "core/material/model.h"
+
 namespace verglas {
 namespace {
 
@@ -28,20 +30,10 @@ bool reflects_inside(const Material& material) {
     return material.fresnel && (material.kind == MaterialKind::Coated || material.layer.inner_reflections);
 }
 
-glm::vec3 schlick(const glm::vec3& F0, float cosine) {
-    const float x = 1.0F - cosine;
-    return F0 + (1.0F - F0) * (x * x * x * x * x);
-}
-
 }  // namespace
 
 glm::vec3 CoatingBase::fresnel(float cos_theta) const {
-    constexpr float edge = 1.0F / 7.0F;
-    const float least = edge * std::pow(1.0F - edge, 6.0F);
-    const glm::vec3 a = schlick(layer_.base_color, edge) * (1.0F - layer_.edge_tint) / least;
-    const float x = 1.0F - cos_theta;
-    return glm::max(schlick(layer_.base_color, cos_theta) - a * cos_theta * (x * x * x * x * x * x),
-                    glm::vec3(0.0F));
+    return model::tinted_reflectance(layer_.base_color, layer_.edge_tint, cos_theta);
 }
 
 std::optional<CoatingBase::Sample> CoatingBase::sample(const glm::vec3& o, glm::vec2 u) const {
@@ -83,7 +75,7 @@ LayeredSurface::LayeredSurface(const Material& material, const FacetNormals& nea
       near_(near, 1.0F / eta_, material.fresnel, reflected_where(reflects_inside(material))),
       base_(material.layer, base_alpha) {
     if (material.kind == MaterialKind::Coated) {
-        optical_depth_ = material.absorption * material.layer.thickness;
+        optical_depth_ = material.optical_depth();
     } else {
         far_.emplace(far, 1.0F / eta_, material.fresnel, reflected_where(reflects_inside(material)));
     }

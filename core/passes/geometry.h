@@ -33,7 +33,7 @@ class GeometryBuffer {
                             const gl::Texture& class_pyramid = {}, int number = 0);
     const gl::Texture& texels() const { return texels_; }
     RoughnessData roughness_data() const { return roughness_data_; }
-    // Each pixel's, 0 … 1: of the side that is seen, and of a thin layer's other one.
+    // Each pixel's, in units of MAX_ROUGHNESS: of the side that is seen, and of a thin layer's other one.
     const gl::Texture& roughness() const { return roughness_; }
     const gl::Framebuffer& framebuffer() const { return framebuffer_; }
 

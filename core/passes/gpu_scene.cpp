@@ -122,8 +122,9 @@ LayerData layer_data(const Material& material) {
     const Layer& layer = material.layer;
     return {{layer.base_color, layer.diffuse ? 1.0F : 0.0F},
             {layer.edge_tint, material.ndf == Ndf::Ggx ? 1.0F : 0.0F},
-            {material.absorption * layer.thickness, 0.0F},
-            {static_cast<int>(material.kind), layer.bounces, layer.inner_reflections ? 1 : 0, 0}};
+            {material.optical_depth(), 0.0F},
+            {static_cast<int>(material.kind), std::min(layer.bounces, Layer::max_bounces),
+             layer.inner_reflections ? 1 : 0, 0}};
 }
 
 // MaterialData::absorption.w.

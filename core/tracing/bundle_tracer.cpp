@@ -12,6 +12,7 @@
 #include "core/math/frame.h"
 #include "core/math/pixel_filter.h"
 #include "core/math/sobol.h"
+#include "core/math/von_mises_fisher.h"
 #include "core/tracing/crossing.h"
 #include "core/tracing/divergence.h"
 #include "core/tracing/first_rays.h"
@@ -372,15 +373,9 @@ void BundleTracer::draw_lobe(const Meeting& meeting, const Branch& branch, Beam 
         if (point[first + 3] >= chance) return;
         outgoing.weight /= chance;
     }
-    const glm::vec2 u = point.pair(first);
-    const float kappa = model::kappa_from_spread(branch.lobe.spread);
-    const float versine =
-        std::min(-std::log1p(-u.x * (1.0F - std::exp(-2.0F * kappa))) / std::max(kappa, 1e-3F), 2.0F);
-    const float sine = std::sqrt(versine * (2.0F - versine));
-    const float phi = 2.0F * model::PI * u.y;
-    const glm::vec3 d = on_side(frame_of(branch.lobe.direction) *
-                                    glm::vec3(sine * std::cos(phi), sine * std::sin(phi), 1.0F - versine),
-                                meeting.side(branch));
+    const float kappa = std::max(model::kappa_from_spread(branch.lobe.spread), 1e-3F);
+    const glm::vec3 d =
+        on_side(frame_of(branch.lobe.direction) * sample_vmf(kappa, point.pair(first)), meeting.side(branch));
     look_between(meeting, branch, d, outgoing);
     next.beams.push_back(outgoing);
     send(meeting, branch, d, next);
@@ -584,10 +579,10 @@ void BundleTracer::draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) 
     const Material& material = meeting.material;
     const float far_roughness =
         meeting.entering ? inner_roughness_at(material, meeting.hit) : roughness_at(material, meeting.hit);
-    const PaneWalk walk(material.ndf, facet_alpha(meeting.roughness), facet_alpha(far_roughness),
-                        material.ior, material.fresnel, material.layer.inner_reflections);
+    const LayeredSurface pane(material, meeting.entering, facet_alpha(roughness_at(material, meeting.hit)),
+                              facet_alpha(inner_roughness_at(material, meeting.hit)));
     const glm::mat3 frame = frame_of(meeting.n);
-    const auto end = walk.sample(glm::transpose(frame) * -meeting.d, u);
+    const auto end = walk_pane(pane, glm::transpose(frame) * -meeting.d, u);
     if (!end) return;
     const bool reflected = end->direction.z > 0.0F;
     if (reflected && !settings_.reflection) return;
@@ -611,8 +606,7 @@ void BundleTracer::draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) 
 }
 
 // Of the interface at which a walk has ended.
-model::Lobe BundleTracer::last_lobe(const Meeting& meeting, const PaneWalk::Step& end,
-                                    float roughness) const {
+model::Lobe BundleTracer::last_lobe(const Meeting& meeting, const PaneWalk& end, float roughness) const {
     const Material& material = meeting.material;
     const glm::vec3 d = frame_of(meeting.n) * -end.o;
     const InterfaceTables& inside = scene_.tables(meeting.hit.material, 1.0F / material.ior);

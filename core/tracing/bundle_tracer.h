@@ -94,7 +94,7 @@ class BundleTracer {
     void draw_layer(const Meeting& meeting, Wave& next) const;
     void draw_mirrored(const Meeting& meeting, Wave& next) const;
     void draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) const;
-    model::Lobe last_lobe(const Meeting& meeting, const PaneWalk::Step& end, float roughness) const;
+    model::Lobe last_lobe(const Meeting& meeting, const PaneWalk& end, float roughness) const;
     void send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const;
     glm::vec3 looked_up(const Beam& beam) const;
     glm::vec3 looked_up(const Beam& beam, float spread) const;

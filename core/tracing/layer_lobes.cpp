@@ -56,7 +56,7 @@ void LayerLobes::add_coated(const TracedScene& scene, const Material& material, 
                             const glm::vec3& d, const glm::vec3& n) {
     const Layer& layer = material.layer;
     const model::Coating coating{
-        outer,           outer.far_roughness, material.absorption * layer.thickness, layer.base_color,
+        outer,           outer.far_roughness, material.optical_depth(), layer.base_color,
         layer.edge_tint, layer.diffuse};
     const glm::vec3 color = material.color * material.color;
     model::BaseLight light = scene.lobes().first_bounce(coating, d, n);
@@ -68,7 +68,7 @@ void LayerLobes::add_coated(const TracedScene& scene, const Material& material, 
         else
             add(LayerLobe::Way::FromWithin, scene.lobes().leaving_light(coating, light, n),
                 color * light.color);
-        if (bounce >= std::min(layer.bounces, most_bounces) || outer.reflection_inside < 0) return;
+        if (bounce >= std::min(layer.bounces, Layer::max_bounces) || outer.reflection_inside < 0) return;
         light = scene.lobes().next_bounce(coating, light, n);
     }
 }

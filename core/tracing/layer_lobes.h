@@ -45,9 +45,8 @@ class LayerLobes {
     void add_coated(const TracedScene& scene, const Material& material, const model::Pane& outer,
                     const glm::vec3& d, const glm::vec3& n);
 
-    static constexpr int most_bounces = 8;
     // Of a coating: each bounce's fan, and the mirrored one. A pane has fewer.
-    static constexpr std::size_t most_lobes = most_bounces * model::FAN_RAYS + 1;
+    static constexpr std::size_t most_lobes = Layer::max_bounces * model::FAN_RAYS + 1;
 
     std::array<LayerLobe, most_lobes> lobes_;
     std::size_t count_ = 0;
