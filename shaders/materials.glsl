@@ -26,6 +26,8 @@ struct Layer {
     vec4 edge_tint;      // w: 1 where the material's lobes have tails
     vec4 optical_depth;  // of a coating, straight through
     ivec4 kind;          // KIND_*, bounces, whether a pane has inner reflections
+    ivec4 table;         // of a coating: first row, nodes of outer side and base, divided groups
+    vec4 table_ranges;   // of outer side and base
 };
 
 layout(std430, binding = 1) readonly buffer Layers { Layer layers[]; };

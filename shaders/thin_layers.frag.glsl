@@ -10,6 +10,13 @@
 #include "lib/pane.glsl"
 #include "lib/pane_lookup.glsl"
 #include "lib/coated.glsl"
+
+uniform sampler2D coating_rows;  // a table's rows one below the other; see core/passes/gpu_scene.h
+
+vec4 sample_coating_rows(float column, float row) {
+    return textureLod(coating_rows, (vec2(column, row) + 0.5) / vec2(textureSize(coating_rows, 0)), 0.0);
+}
+
 #include "lib/coated_lookup.glsl"
 
 uniform sampler2D front_roughness;
@@ -67,21 +74,44 @@ vec3 pane_radiance(Material material, Layer layer, vec2 roughness, vec3 position
     return sum + mirrored_radiance(material, pane, before, d, tail);
 }
 
-vec3 coated_radiance(Material material, Layer layer, vec2 roughness, vec3 position, vec3 d, vec3 n) {
-    Coating coating = Coating(pane_of(material, layer, roughness), roughness.y, layer.optical_depth.rgb,
-                              layer.base_color.rgb, layer.edge_tint.rgb, layer.base_color.w > 0.0);
-    Place place = Place(position, n);
-    vec3 color = material.color_roughness.rgb * material.color_roughness.rgb;
-    vec3 sum = mirrored_radiance(material, coating.outer, place, d, layer.edge_tint.w > 0.0);
-    BaseLight light = first_bounce(coating, d, n);
-    for (int bounce = 1;; ++bounce) {
-        vec3 incoming = light.lobe.spread < FANNED_SPREAD
-                            ? incoming_radiance(place, leaving_lobe(coating, light, n), false)
-                            : incoming_radiance(place, leaving_light(coating, light, n));
-        sum += color * light.color * incoming;
-        if (bounce >= layer.kind.y || coating.outer.reflection_inside < 0) return sum;
-        light = next_bounce(coating, light, n);
+// Of a group that is not divided; wider along one axis, as lobes at slanted views are.
+vec3 incoming_radiance(Place place, Lobe lobe, bool tail) {
+    return incoming_radiance(place, add_lobe(no_moments(), lobe, place.side, 1.0), tail);
+}
+
+vec3 group_radiance(Place place, Coating coating, CoatingPlace at, int group, bool tail) {
+    vec4 first = coating_slice(at, group, 0);
+    if (!is_divided(coating.table, group))
+        return incoming_radiance(place, coating_lobe(coating.table, at, group, first, 0.0), tail);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < COATING_SLICES; ++i) {
+        vec4 slice = i == 0 ? first : coating_slice(at, group, i);
+        for (float side = -1.0; side < 2.0; side += 2.0) {
+            Lobe lobe = coating_lobe(coating.table, at, group, slice, side);
+            sum += lobe.energy * incoming_radiance(place, lobe.direction, lobe.spread);
+        }
     }
+    return sum;
+}
+
+vec3 coated_radiance(Material material, Layer layer, vec2 roughness, vec3 position, vec3 d, vec3 n) {
+    CoatingTable table = CoatingTable(layer.table.x, layer.table.y, layer.table.z, layer.table.w,
+                                      layer.table_ranges.x, layer.table_ranges.y, layer.table_ranges.z,
+                                      layer.table_ranges.w);
+    Coating coating = Coating(table, roughness.x, roughness.y, layer.optical_depth.rgb, layer.base_color.rgb,
+                              layer.edge_tint.rgb, layer.base_color.w > 0.0, layer.kind.y);
+    Place place = Place(position, n);
+    CoatingPlace at = coating_place(coating, d, n);
+    CoatingLight light = coating_light(at);
+    vec3 sum = vec3(0.0);
+    for (int group = reflection ? COATING_MIRRORED : COATING_FIRST; group < COATING_GROUPS; ++group) {
+        bool mirrored = group == COATING_MIRRORED;
+        vec3 color = coating_color(coating, light, group);
+        if (greatest(color) <= 0.0) continue;
+        color *= mirrored ? material.reflection_ior.rgb : material.color_roughness.rgb * material.color_roughness.rgb;
+        sum += color * group_radiance(place, coating, at, group, mirrored && layer.edge_tint.w > 0.0);
+    }
+    return sum;
 }
 
 void main() {

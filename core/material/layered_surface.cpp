@@ -19,11 +19,6 @@ float layer_index(float ior) {
     return eta < 1.0F ? std::min(eta, 1.0F / least) : std::max(eta, least);
 }
 
-FacetNormals normals_of(const Material& material, float alpha) {
-    return material.kind == MaterialKind::Coated ? FacetNormals::von_mises_fisher(alpha)
-                                                 : FacetNormals(material.ndf, alpha);
-}
-
 Reflected reflected_where(bool followed) { return followed ? Reflected::All : Reflected::None; }
 
 bool reflects_inside(const Material& material) {
@@ -31,6 +26,11 @@ bool reflects_inside(const Material& material) {
 }
 
 }  // namespace
+
+FacetNormals normals_of(const Material& material, float alpha) {
+    return material.kind == MaterialKind::Coated ? FacetNormals::von_mises_fisher(alpha)
+                                                 : FacetNormals(material.ndf, alpha);
+}
 
 glm::vec3 CoatingBase::fresnel(float cos_theta) const {
     return model::tinted_reflectance(layer_.base_color, layer_.edge_tint, cos_theta);

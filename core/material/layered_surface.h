@@ -11,6 +11,9 @@
 
 namespace verglas {
 
+// Of a side of a material: coatings have vMF normals, whatever Material::ndf says.
+FacetNormals normals_of(const Material& material, float alpha);
+
 // The opaque base under a coating: a rough conductor with vMF normals, or Lambert's diffuse one.
 class CoatingBase {
   public:

@@ -16,6 +16,7 @@ class LobeModel {
     // Its functions aren't const, for which GLSL has no word.
     struct Lookup {
         const std::vector<LobeSlice>& tables;
+        const std::vector<vec4>& coating_rows;
 
         // Bilinear interpolation, as GL_LINEAR does with nodes at the centres of texels.
         vec4 sample_lobe_table(int table, float x, float y) const {
@@ -29,39 +30,58 @@ class LobeModel {
                        row - static_cast<float>(j));
         }
 
+        // Likewise, of CoatingSet::rows().
+        vec4 sample_coating_rows(float column, float row) const {
+            constexpr int width = COATING_ITEMS * COATING_ANGLES;
+            const int i = std::min(static_cast<int>(column), width - 2);
+            const int j = static_cast<int>(row);
+            const float t = column - static_cast<float>(i);
+            const float s = row - static_cast<float>(j);
+            const vec4* node = &coating_rows[std::size_t(j) * width + i];
+            const vec4 value = mix(node[0], node[1], t);
+            return s > 0.0F ? mix(value, mix(node[width], node[width + 1], t), s) : value;
+        }
+
 #include "shaders/lib/coated_lookup.glsl"
 #include "shaders/lib/lobe_lookup.glsl"
 #include "shaders/lib/pane_lookup.glsl"
     };
 
   public:
-    explicit LobeModel(std::vector<LobeSlice> tables) : tables_(std::move(tables)) {}
+    // coating_rows: CoatingSet::rows(); may be empty where nothing is coated.
+    explicit LobeModel(std::vector<LobeSlice> tables, std::vector<vec4> coating_rows = {})
+        : tables_(std::move(tables)), coating_rows_(std::move(coating_rows)) {}
 
     Lobe reflected_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n) const {
-        return Lookup{tables_}.reflected_lobe(table, eta, roughness, d, n);
+        return lookup().reflected_lobe(table, eta, roughness, d, n);
     }
     Lobe refracted_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n, int tir) const {
-        return Lookup{tables_}.refracted_lobe(table, eta, roughness, d, n, tir);
+        return lookup().refracted_lobe(table, eta, roughness, d, n, tir);
     }
 
-    BaseLight first_bounce(const Coating& coating, const vec3& d, const vec3& n) const {
-        return Lookup{tables_}.first_bounce(coating, d, n);
+    CoatingPlace coating_place(const Coating& coating, const vec3& d, const vec3& n) const {
+        return lookup().coating_place(coating, d, n);
     }
-    BaseLight next_bounce(const Coating& coating, const BaseLight& light, const vec3& n) const {
-        return Lookup{tables_}.next_bounce(coating, light, n);
+    CoatingLight coating_light(const CoatingPlace& place) const { return lookup().coating_light(place); }
+    int coating_slices(const CoatingTable& table, int group) const {
+        return lookup().coating_slices(table, group);
     }
-    Moments leaving_lobe(const Coating& coating, const BaseLight& light, const vec3& n) const {
-        return Lookup{tables_}.leaving_lobe(coating, light, n);
+    vec4 coating_slice(const CoatingPlace& place, int group, int slice) const {
+        return lookup().coating_slice(place, group, slice);
     }
-    Fan leaving_light(const Coating& coating, const BaseLight& light, const vec3& n) const {
-        return Lookup{tables_}.leaving_light(coating, light, n);
+    Lobe coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group, const vec4& slice,
+                      float side) const {
+        return lookup().coating_lobe(table, place, group, slice, side);
     }
     PaneLobes pane_lobes(const Pane& pane, const vec3& d, const vec3& n) const {
-        return Lookup{tables_}.pane_lobes(pane, d, n);
+        return lookup().pane_lobes(pane, d, n);
     }
 
   private:
+    Lookup lookup() const { return {tables_, coating_rows_}; }
+
     std::vector<LobeSlice> tables_;
+    std::vector<vec4> coating_rows_;
 };
 
 }  // namespace verglas::model

@@ -116,15 +116,19 @@ struct LayerData {
     glm::vec4 edge_tint;
     glm::vec4 optical_depth;
     glm::ivec4 kind;
+    glm::ivec4 table;
+    glm::vec4 table_ranges;
 };
 
-LayerData layer_data(const Material& material) {
+LayerData layer_data(const Material& material, const model::CoatingTable& table) {
     const Layer& layer = material.layer;
     return {{layer.base_color, layer.diffuse ? 1.0F : 0.0F},
             {layer.edge_tint, material.ndf == Ndf::Ggx ? 1.0F : 0.0F},
             {material.optical_depth(), 0.0F},
             {static_cast<int>(material.kind), std::min(layer.bounces, Layer::max_bounces),
-             layer.inner_reflections ? 1 : 0, 0}};
+             layer.inner_reflections ? 1 : 0, 0},
+            {table.first_row, table.outer_nodes, table.base_nodes, table.divided},
+            {table.outer_least, table.outer_greatest, table.base_least, table.base_greatest}};
 }
 
 // MaterialData::absorption.w.
@@ -231,6 +235,7 @@ RoughnessClasses roughness_classes(const Material& material, const TextureCache&
 bool MaterialCache::update(const std::vector<Material>& materials, const TextureCache& textures) {
     const gl::PassScope scope("upload of materials");
     const bool changed = tables_.update(materials);
+    const bool coatings_changed = coatings_.update(materials);
     std::vector<MaterialData> data;
     std::vector<LayerData> layers;
     for (int i = 0; i < static_cast<int>(materials.size()); ++i) {
@@ -242,7 +247,7 @@ bool MaterialCache::update(const std::vector<Material>& materials, const Texture
                         packed(roughness_classes(material, textures)),
                         {entering.refraction, tables_.tables(i, 1.0F / material.ior).refraction,
                          entering.reflection, tables_.tables(i, 1.0F / material.ior).reflection}});
-        layers.push_back(layer_data(material));
+        layers.push_back(layer_data(material, coatings_.table(i)));
     }
     if (data.empty()) return false;
     buffer_ = gl::make_buffer(data.size() * sizeof(MaterialData), data.data());
@@ -251,8 +256,18 @@ bool MaterialCache::update(const std::vector<Material>& materials, const Texture
     });
     if (has_thin_layers_) layers_ = gl::make_buffer(layers.size() * sizeof(LayerData), layers.data());
     if (changed) upload_tables();
+    if (coatings_changed) upload_coatings();
     scope.check();
-    return changed;
+    return changed || coatings_changed;
+}
+
+void MaterialCache::upload_coatings() {
+    constexpr int width = model::COATING_ITEMS * model::COATING_ANGLES;
+    const std::vector<glm::vec4>& rows = coatings_.rows();
+    if (rows.empty()) return;
+    const int height = static_cast<int>(rows.size()) / width;
+    coating_rows_ = gl::Texture(GL_RGBA32F, width, height, GL_LINEAR, 1);
+    glTextureSubImage2D(coating_rows_.id(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, rows.data());
 }
 
 void MaterialCache::upload_tables() {

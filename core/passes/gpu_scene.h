@@ -12,6 +12,7 @@
 #include "core/gl/objects.h"
 #include "core/material/model.h"
 #include "core/material/roughness_classes.h"
+#include "core/material/coating_set.h"
 #include "core/material/table_set.h"
 #include "core/passes/environment_filter.h"
 #include "core/scene/scene.h"
@@ -101,15 +102,20 @@ class MaterialCache {
     // Where it has some: of all materials, those parts.
     const gl::Buffer& layers() const { return layers_; }
     const gl::Texture& lobe_tables() const { return lobe_tables_; }
+    // Where anything is coated: CoatingSet::rows().
+    const gl::Texture& coating_rows() const { return coating_rows_; }
 
   private:
     void upload_tables();
+    void upload_coatings();
 
     TableSet tables_;
+    CoatingSet coatings_;
     gl::Buffer buffer_;
     bool has_thin_layers_ = false;
     gl::Buffer layers_;
     gl::Texture lobe_tables_;
+    gl::Texture coating_rows_;
 };
 
 // The lights in camera space, as shaders/local_lights.glsl has them.

@@ -22,7 +22,8 @@ enum Unit : GLuint {
     nearest_back_unit,
     farthest_front_unit,
     front_roughness_unit,
-    back_classes_unit
+    back_classes_unit,
+    coatings_unit
 };
 
 void begin(const gl::Framebuffer& target, const View& view, const Rect& rect) {
@@ -163,6 +164,7 @@ void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& tar
     set_screen_space(*program_, inputs);
     set_texture(*program_, "lobe_tables", tables_unit, materials.lobe_tables());
     set_texture(*program_, "front_roughness", front_roughness_unit, inputs.front.roughness());
+    set_texture(*program_, "coating_rows", coatings_unit, materials.coating_rows());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, materials.layers().id());
     program_->set("group", number);

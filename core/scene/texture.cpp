@@ -21,6 +21,11 @@ TextureOf<Value>::TextureOf(std::string name, int width, int height, std::vector
       is_atlas_(is_atlas) {
     if (width < 1 || height < 1 || values_.size() != std::size_t(width) * height)
         throw Error("Texture '" + name_ + "' has no pixels, or not as many as its size says.");
+    least_ = greatest_ = values_.front();
+    for (const Value& value : values_) {
+        least_ = glm::min(least_, value);
+        greatest_ = glm::max(greatest_, value);
+    }
 }
 
 template <typename Value>

@@ -29,6 +29,9 @@ class TextureOf {
     Extension extension() const { return extension_; }
     Interpolation interpolation() const { return interpolation_; }
     bool is_atlas() const { return is_atlas_; }
+    // Of all values, by component.
+    const Value& least() const { return least_; }
+    const Value& greatest() const { return greatest_; }
 
     // Clip is 0 outside.
     Value sample(glm::vec2 uv) const;
@@ -45,6 +48,8 @@ class TextureOf {
     Extension extension_;
     Interpolation interpolation_;
     bool is_atlas_;
+    Value least_;
+    Value greatest_;
 };
 
 // Of single values.

@@ -12,6 +12,10 @@ LayerLobes LayerLobes::of(const TracedScene& scene, const Hit& hit, const glm::v
                           bool entering) {
     LayerLobes result;
     const Material& material = scene.scene().materials[hit.material];
+    if (material.kind == MaterialKind::Coated) {
+        result.add_coated(scene, hit, d, n);
+        return result;
+    }
     const InterfaceTables& outside = scene.tables(hit.material, material.ior);
     const InterfaceTables& inside = scene.tables(hit.material, 1.0F / material.ior);
     model::Pane pane{outside.refraction,
@@ -22,12 +26,8 @@ LayerLobes LayerLobes::of(const TracedScene& scene, const Hit& hit, const glm::v
                      roughness_at(material, hit),
                      inner_roughness_at(material, hit),
                      material.layer.inner_reflections};
-    if (material.kind == MaterialKind::Pane) {
-        if (!entering) std::swap(pane.near_roughness, pane.far_roughness);
-        result.add_pane(scene, material, pane, d, n);
-    } else {
-        result.add_coated(scene, material, pane, d, n);
-    }
+    if (!entering) std::swap(pane.near_roughness, pane.far_roughness);
+    result.add_pane(scene, material, pane, d, n);
     if (outside.reflection >= 0)
         result.add({LayerLobe::Way::Mirrored,
                     scene.lobes().reflected_lobe(outside.reflection, pane.eta, pane.near_roughness, d, n),
@@ -52,24 +52,35 @@ void LayerLobes::add_pane(const TracedScene& scene, const Material& material, co
     add(LayerLobe::Way::FromWithin, lobes.reflected, color);
 }
 
-void LayerLobes::add_coated(const TracedScene& scene, const Material& material, const model::Pane& outer,
-                            const glm::vec3& d, const glm::vec3& n) {
+void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm::vec3& d,
+                            const glm::vec3& n) {
+    const Material& material = scene.scene().materials[hit.material];
     const Layer& layer = material.layer;
-    const model::Coating coating{
-        outer,           outer.far_roughness, material.optical_depth(), layer.base_color,
-        layer.edge_tint, layer.diffuse};
-    const glm::vec3 color = material.color * material.color;
-    model::BaseLight light = scene.lobes().first_bounce(coating, d, n);
-    for (int bounce = 1;; ++bounce) {
-        if (light.lobe.spread < model::FANNED_SPREAD)
-            add({LayerLobe::Way::FromWithin,
-                 model::lobe_from_moments(scene.lobes().leaving_lobe(coating, light, n)),
-                 color * light.color});
-        else
-            add(LayerLobe::Way::FromWithin, scene.lobes().leaving_light(coating, light, n),
-                color * light.color);
-        if (bounce >= std::min(layer.bounces, Layer::max_bounces) || outer.reflection_inside < 0) return;
-        light = scene.lobes().next_bounce(coating, light, n);
+    const model::LobeModel& lobes = scene.lobes();
+    const model::Coating coating{.table = scene.coating_table(hit.material),
+                                 .outer_roughness = roughness_at(material, hit),
+                                 .base_roughness = inner_roughness_at(material, hit),
+                                 .optical_depth = material.optical_depth(),
+                                 .base_color = layer.base_color,
+                                 .edge_tint = layer.edge_tint,
+                                 .diffuse = layer.diffuse,
+                                 .bounces = std::min(layer.bounces, Layer::max_bounces)};
+    const model::CoatingPlace place = lobes.coating_place(coating, d, n);
+    const model::CoatingLight light = lobes.coating_light(place);
+    for (int group = 0; group < model::COATING_GROUPS; ++group) {
+        const bool mirrored = group == model::COATING_MIRRORED;
+        const glm::vec3 color = model::coating_color(coating, light, group) *
+                                (mirrored ? material.reflection_color : material.color * material.color);
+        if (model::greatest(color) <= 0.0F) continue;
+        const int slices = lobes.coating_slices(coating.table, group);
+        for (int slice = 0; slice < slices; ++slice) {
+            const glm::vec4 item = lobes.coating_slice(place, group, slice);
+            for (const float side : {1.0F, -1.0F}) {
+                add({mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin,
+                     lobes.coating_lobe(coating.table, place, group, item, side), color});
+                if (slices == 1) break;
+            }
+        }
     }
 }
 

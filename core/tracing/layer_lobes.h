@@ -2,6 +2,7 @@
 // What a thin layer makes of a ray that meets it, as lobes of light.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <glm/glm.hpp>
@@ -42,11 +43,11 @@ class LayerLobes {
     void add(LayerLobe::Way way, const model::Fan& fan, const glm::vec3& color);
     void add_pane(const TracedScene& scene, const Material& material, const model::Pane& pane,
                   const glm::vec3& d, const glm::vec3& n);
-    void add_coated(const TracedScene& scene, const Material& material, const model::Pane& outer,
-                    const glm::vec3& d, const glm::vec3& n);
+    void add_coated(const TracedScene& scene, const Hit& hit, const glm::vec3& d, const glm::vec3& n);
 
-    // Of a coating: each bounce's fan, and the mirrored one. A pane has fewer.
-    static constexpr std::size_t most_lobes = Layer::max_bounces * model::FAN_RAYS + 1;
+    // Of a coating; a pane has a transmitted one, two fans, and a mirrored one.
+    static constexpr std::size_t most_lobes = std::max(model::COATING_GROUPS * model::COATING_LOBES,
+                                                       2 + 2 * model::FAN_RAYS);
 
     std::array<LayerLobe, most_lobes> lobes_;
     std::size_t count_ = 0;

@@ -29,7 +29,9 @@ void TracedScene::update(const Scene& scene) {
     });
     seconds_["meshes"] = seconds_of([&] { rays_.update(scene); });
     seconds_["tables"] = seconds_of([&] {
-        if (tables_.update(scene.materials) || !lobes_) lobes_.emplace(tables_.slices());
+        const bool coatings_changed = coatings_.update(scene.materials);
+        if (tables_.update(scene.materials) || coatings_changed || !lobes_)
+            lobes_.emplace(tables_.slices(), coatings_.rows());
         update_roughness(scene);
     });
     seconds_["environment"] = seconds_of([&] { update_environment(scene.environment_map); });
@@ -67,27 +69,15 @@ bool TracedScene::is_shadowed(const glm::vec3& position, const Light& light) con
 }
 
 void TracedScene::update_roughness(const Scene& scene) {
-    std::map<std::shared_ptr<const Texture>, Range> ranges;
     least_roughness_ = 1.0F;
     std::vector<char> material_varies;
     for (const Material& material : scene.materials) {
-        Range range{material.roughness, material.roughness};
-        if (const auto& texture = material.roughness_texture) {
-            const auto known = ranges_.find(texture);
-            if (known != ranges_.end()) {
-                range = known->second;
-            } else {
-                const auto [least, greatest] =
-                    std::minmax_element(texture->values().begin(), texture->values().end());
-                range = {*least, *greatest};
-            }
-            ranges[texture] = range;
-        }
+        const auto& texture = material.roughness_texture;
+        const float least = texture ? texture->least() : material.roughness;
         if (material.kind == MaterialKind::Solid)
-            least_roughness_ = std::min(least_roughness_, std::clamp(range.least, 0.0F, 1.0F));
-        material_varies.push_back(range.least < range.greatest ? 1 : 0);
+            least_roughness_ = std::min(least_roughness_, std::clamp(least, 0.0F, 1.0F));
+        material_varies.push_back(texture && texture->least() < texture->greatest() ? 1 : 0);
     }
-    ranges_ = std::move(ranges);
     varies_.clear();
     for (const Object& object : scene.objects)
         varies_.push_back(std::any_of(object.materials.begin(), object.materials.end(),

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/environment/environment_model.h"
+#include "core/material/coating_set.h"
 #include "core/material/lobe_model.h"
 #include "core/material/table_set.h"
 #include "core/scene/scene.h"
@@ -30,6 +31,9 @@ class TracedScene {
     const RayScene& rays() const { return rays_; }
     const model::LobeModel& lobes() const { return *lobes_; }
     const InterfaceTables& tables(int material, float eta) const { return tables_.tables(material, eta); }
+
+    // Of a coated material.
+    const model::CoatingTable& coating_table(int material) const { return coatings_.table(material); }
 
     // The least roughness of any material, 0 … 1.
     float least_roughness() const { return least_roughness_; }
@@ -62,11 +66,6 @@ class TracedScene {
     const std::map<std::string, double>& seconds() const { return seconds_; }
 
   private:
-    // The least and the greatest of a texture's values.
-    struct Range {
-        float least;
-        float greatest;
-    };
     bool is_shadowed(const glm::vec3& position, const Light& light) const;
     void update_roughness(const Scene& scene);
     void update_environment(const std::shared_ptr<const EnvironmentMap>& map);
@@ -74,8 +73,8 @@ class TracedScene {
     const Scene* scene_ = nullptr;
     RayScene rays_;
     TableSet tables_;
+    CoatingSet coatings_;
     std::optional<model::LobeModel> lobes_;
-    std::map<std::shared_ptr<const Texture>, Range> ranges_;  // of textures of roughness
     float least_roughness_ = 0.0F;
     std::vector<char> varies_;  // by Scene::objects
     bool has_shadows_ = false;  // whether anything is coated

@@ -1,97 +1,101 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A clear layer on an opaque base (the ENDF paper, section 5). Light that has entered meets the base and the layer's
-// outer side in turn; the bundles of its lobes stand for it, as in a pane.
+// A clear layer on an opaque base. The ENDF paper (section 5) has a lobe in closed form for each of its bounces; here
+// the lobes come from tables that hold what light does between both rough sides (core/material/coating_table.h). In the
+// frame of the surface, x is along the tangent of d, the direction of propagation from the viewer, and z along n.
+
+// What light has done in the layer: been mirrored by its outer side, met the base once, or more often.
+const int COATING_MIRRORED = 0;
+const int COATING_FIRST = 1;
+const int COATING_FURTHER = 2;
+const int COATING_GROUPS = 3;
+
+// Light of a group is one lobe where that is narrow. Else it is divided by its angle in the plane of incidence into
+// slices of equal energy, and each of them into its mirror images to both sides of the plane.
+const int COATING_SLICES = 3;
+const int COATING_LOBES = 2 * COATING_SLICES;
+
+// A row of a table is one pair of roughnesses: items side by side, each over the viewer's angle. The
+// first two items are energies and means, those of each group's slices (x, y, z, log2(spread)) of their lobes.
+const int COATING_ANGLES = 33;
+const int COATING_ITEMS = 2 + COATING_GROUPS * COATING_SLICES;
+
+// Of one material. Rows: those of the base's roughnesses, for each of the outer side's.
+struct CoatingTable {
+    int first_row;
+    int outer_nodes;
+    int base_nodes;
+    int divided;  // bit g: whether group g is
+    float outer_least;  // range of both, on the axis of coating_axis
+    float outer_greatest;
+    float base_least;
+    float base_greatest;
+};
 
 struct Coating {
-    Pane outer;  // its near side is the layer's; the far one doesn't count
+    CoatingTable table;
+    float outer_roughness;
     float base_roughness;
     vec3 optical_depth;  // sigma_a times thickness
     vec3 base_color;     // reflectance at straight incidence, or albedo
     vec3 edge_tint;      // F82
     bool diffuse;
+    int bounces;
 };
 
-// Of lobes in the layer: wider ones leave it as a fan.
-const float FANNED_SPREAD = 0.03f;
-
-// Light that leaves the base, in the layer.
-struct BaseLight {
-    Lobe lobe;
-    vec3 color;  // factor on its energy
+// Where a viewer and two roughnesses are in a table, and the frame of the surface.
+struct CoatingPlace {
+    float column;  // within an item
+    float row;
+    float next_row;  // of the outer side's next roughness
+    float next_share;
+    vec3 tangent;
+    vec3 side;  // across the plane of incidence
+    vec3 n;
 };
+
+// Energies of the groups for a base that reflects all light.
+struct CoatingLight {
+    vec3 energy;    // by group; of the further ones that of the second bounce
+    float ratio;    // of a bounce's energy to that of the one before, from the third on
+    float slant_5;  // mean of x^5 and of (1 - x) x^6 at the base, x = 1 - cos
+    float slant_6;
+    vec2 way;  // through the layer, in units of its thickness: of the first, and of the further bounces
+};
+
+// Axis of roughness; as that of the lobe tables, and on to where coatings end.
+SHARED float coating_axis(float roughness) { return pow(clamp(roughness, LOBE_MIN_ROUGHNESS, MAX_ROUGHNESS), 1.0f / 3.0f); }
+
+// Axis of the viewer's angle, 0 … 1 from grazing to straight, along which mean directions turn evenly.
+SHARED float coating_column(float cos_theta) { return 1.0f - acos(clamp(cos_theta, 0.0f, 1.0f)) / (0.5f * PI); }
 
 // Schlick's reflectance, lowered so that at 82 degrees, where the cosine is 1/7, it is tint times his (Kutz, Hasan and
-// Edmondson 2021).
-SHARED vec3 tinted_reflectance(vec3 color, vec3 tint, float cos_theta) {
-    float x = 1.0f - clamp(cos_theta, 0.0f, 1.0f);
+// Edmondson 2021), for a mean of x^5 and of (1 - x) x^6, x = 1 - cos.
+SHARED vec3 mean_tinted_reflectance(vec3 color, vec3 tint, float slant_5, float slant_6) {
     float at_82 = 6.0f / 7.0f;
-    vec3 schlick = color + (vec3(1.0f) - color) * (x * x * x * x * x);
     vec3 schlick_82 = color + (vec3(1.0f) - color) * pow(at_82, 5.0f);
     vec3 a = schlick_82 * (vec3(1.0f) - tint) / (pow(at_82, 6.0f) / 7.0f);
-    return max(schlick - a * ((1.0f - x) * pow(x, 6.0f)), vec3(0.0f));
+    return max(color + (vec3(1.0f) - color) * slant_5 - a * slant_6, vec3(0.0f));
 }
 
-// Normals are of vMF distributions over all of the sphere (the ENDF paper, eq. 6), of kappa = 2 / alpha^2: of rough ones
-// many look down, and what meets these is lost. The formulas are fits to their integrals for kappa 1 ... 1000.
-
-// Part of straight light that the facets of a mirror reflect upward, unhidden; within 0.02.
-SHARED float unhidden(float alpha) { return 1.0f - exp(-0.32f * pow(2.0f / (alpha * alpha), 0.93f)); }
-
-// What the facets of one side of the layer lose beside what the lobe tables do, whose normals all look up.
-SHARED float overhang_factor(float roughness) {
-    return pow(unhidden(max(alpha_from_roughness(roughness), 1e-4f)), 0.45f);
+SHARED vec3 tinted_reflectance(vec3 color, vec3 tint, float cos_theta) {
+    float x = 1.0f - clamp(cos_theta, 0.0f, 1.0f);
+    return mean_tinted_reflectance(color, tint, pow(x, 5.0f), (1.0f - x) * pow(x, 6.0f));
 }
 
-// Of what enters, which they lose the more at flat angles.
-SHARED float entering_factor(float roughness, float cos_theta) {
-    float lost = 1.0f - unhidden(max(alpha_from_roughness(roughness), 1e-4f));
-    return overhang_factor(roughness) * mix(1.0f, 0.5f + 0.78f * cos_theta, lost / 0.726f);
-}
-
-// The lobe of light from one direction that a rough mirror reflects; energies within 0.08, spreads within a fifth.
-SHARED Lobe rough_mirror(float alpha, vec3 d, vec3 n) {
-    float x = alpha * alpha;
-    float cos_theta = clamp(-dot(d, n), 1e-3f, 1.0f);
-    float slant = 1.0f - cos_theta;
-    Lobe lobe;
-    float hidden = 0.19f * slant * slant / (1.0f + 0.02f / x);
-    float seen = 0.5f * slant * exp(-0.4f / x);
-    lobe.energy = min(unhidden(alpha) * (1.0f + seen - hidden), 1.0f);
-    // Mean of the variances of both axes: a facet's tilt turns the light by twice as much in the plane of incidence,
-    // and across it by that times the cosine (ENDF eq. 12 has the root of their product).
-    float variance = x * (1.0f + cos_theta * cos_theta);
-    float cut_off = 1.0f - 0.4f * slant * variance / (variance + 0.02f);
-    const float widest = 0.354f;
-    float e = exp(-2.0f * min(variance / widest, 10.0f));
-    lobe.spread = max(cut_off * widest * (1.0f - e) / (1.0f + e), LOBE_MIN_SPREAD);
-    lobe.direction = normalize(d + (2.0f * cos_theta + x * (4.75f - 3.75f * cos_theta)) * n);
-    return lobe;
-}
-
-// Of a diffuse base: the mean cosine of its light is 2/3.
-const float DIFFUSE_SPREAD = 1.0f / 3.0f;
-
-SHARED Lobe base_reflection(Coating coating, Lobe down, vec3 n) {
-    Lobe up = down;
-    if (coating.diffuse) {
-        up.direction = n;
-        up.spread = DIFFUSE_SPREAD;
-        return up;
-    }
-    float alpha = max(alpha_from_roughness(coating.base_roughness), 1e-4f);
-    Moments moments = no_moments();
-    for (int i = 0; i < FAN_RAYS; ++i) {
-        Lobe mirrored = rough_mirror(alpha, fan_ray(down, n, i), n);
-        mirrored.spread += FAN_LEFT * down.spread * (1.0f - mirrored.spread);
-        moments = add_lobe(moments, mirrored, n, down.energy / float(FAN_RAYS));
-    }
-    return lobe_from_moments(moments);
-}
-
-// What the base and two ways through the layer leave of the light.
-SHARED vec3 base_factor(Coating coating, float cos_down, float cos_up) {
-    float way = 1.0f / max(cos_down, 0.05f) + 1.0f / max(cos_up, 0.05f);
+// What the base and the ways through the layer leave of a group's light, its energy included.
+SHARED vec3 coating_color(Coating coating, CoatingLight light, int group) {
+    if (group == COATING_MIRRORED) return vec3(light.energy.x);
     vec3 reflectance = coating.diffuse ? coating.base_color
-                                       : tinted_reflectance(coating.base_color, coating.edge_tint, cos_down);
-    return reflectance * exp(-way * coating.optical_depth);
+                                       : mean_tinted_reflectance(coating.base_color, coating.edge_tint,
+                                                                 light.slant_5, light.slant_6);
+    if (group == COATING_FIRST) return light.energy.y * reflectance * exp(-light.way.x * coating.optical_depth);
+    // Each further bounce costs the way of one.
+    vec3 bounce = reflectance * exp((light.way.x - light.way.y) * coating.optical_depth);
+    vec3 color = light.energy.z * reflectance * reflectance * exp(-light.way.y * coating.optical_depth);
+    vec3 sum = vec3(0.0f);
+    for (int i = 2; i <= coating.bounces; ++i) {
+        sum += color;
+        color = color * light.ratio * bounce;
+    }
+    return sum;
 }

@@ -1,80 +1,63 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Coatings by the lobe tables. The including code provides what lobe_lookup.glsl needs.
+// Lobes of coatings from the tables of coated.glsl. The including code provides
+//     vec4 sample_coating_rows(float column, float row)
+// with linear interpolation between nodes of all rows, whose items lie side by side.
 
-// A lobe in the layer that goes down, after the base.
-SHARED BaseLight after_base(Coating coating, Lobe down, vec3 color, vec3 n) {
-    BaseLight light;
-    light.lobe = base_reflection(coating, down, n);
-    light.color = color * base_factor(coating, -dot(down.direction, n), dot(light.lobe.direction, n));
+SHARED CoatingPlace coating_place(Coating coating, vec3 d, vec3 n) {
+    CoatingTable table = coating.table;
+    CoatingPlace place;
+    place.n = n;
+    vec3 tangent = d - dot(d, n) * n;
+    if (dot(tangent, tangent) < 1e-8f)
+        tangent = cross(n, abs(n.z) < 0.9f ? vec3(0.0f, 0.0f, 1.0f) : vec3(1.0f, 0.0f, 0.0f));
+    place.tangent = normalize(tangent);
+    place.side = cross(n, place.tangent);
+    place.column = coating_column(-dot(d, n)) * float(COATING_ANGLES - 1);
+    float base = clamp((coating_axis(coating.base_roughness) - table.base_least) /
+                           max(table.base_greatest - table.base_least, 1e-6f), 0.0f, 1.0f) * float(table.base_nodes - 1);
+    float outer = clamp((coating_axis(coating.outer_roughness) - table.outer_least) /
+                            max(table.outer_greatest - table.outer_least, 1e-6f), 0.0f, 1.0f) *
+                  float(table.outer_nodes - 1);
+    float node = min(floor(outer), float(max(table.outer_nodes - 2, 0)));
+    place.row = float(table.first_row) + node * float(table.base_nodes) + base;
+    place.next_row = place.row + float(table.base_nodes);
+    place.next_share = outer - node;
+    return place;
+}
+
+SHARED vec4 coating_item(CoatingPlace place, int item) {
+    float column = float(item * COATING_ANGLES) + place.column;
+    vec4 value = sample_coating_rows(column, place.row);
+    if (place.next_share <= 0.0f) return value;
+    return mix(value, sample_coating_rows(column, place.next_row), place.next_share);
+}
+
+SHARED CoatingLight coating_light(CoatingPlace place) {
+    vec4 energies = coating_item(place, 0);
+    vec4 means = coating_item(place, 1);
+    CoatingLight light;
+    light.energy = vec3(energies.x, energies.y, energies.z);
+    light.ratio = energies.w;
+    light.slant_5 = means.x;
+    light.slant_6 = means.y;
+    light.way = vec2(means.z, means.w);
     return light;
 }
 
-// Light of the first bounce. d: unit direction of propagation from the viewer; n: unit normal that faces the viewer.
-SHARED BaseLight first_bounce(Coating coating, vec3 d, vec3 n) {
-    Pane outer = coating.outer;
-    Lobe entered = refracted_lobe(outer.entering, outer.eta, outer.near_roughness, d, n, TIR_NONE);
-    entered.energy *= entering_factor(outer.near_roughness, clamp(-dot(d, n), 0.0f, 1.0f));
-    return after_base(coating, entered, vec3(1.0f), n);
+SHARED bool is_divided(CoatingTable table, int group) { return ((table.divided >> group) & 1) != 0; }
+
+// How many slices a group has; one that isn't divided is the first of them.
+SHARED int coating_slices(CoatingTable table, int group) { return is_divided(table, group) ? COATING_SLICES : 1; }
+
+SHARED vec4 coating_slice(CoatingPlace place, int group, int slice) {
+    return coating_item(place, 2 + group * COATING_SLICES + slice);
 }
 
-// The share of a wide lobe in the layer that leaves it: what lies within the critical angle, less what is reflected at
-// straight incidence. Few rays see too little of such an edge. Facets turn light to the edge and from it; that lobes of
-// the base are flatter than spherical Gaussians was measured for kappa 1, 10 and 30; for a diffuse one it is exact at an
-// eta of 1.5.
-SHARED float share_within_critical_angle(Coating coating, Lobe up, vec3 n) {
-    float eta = coating.outer.eta;
-    float alpha = alpha_from_roughness(coating.outer.near_roughness);
-    float straight = (eta - 1.0f) / (eta + 1.0f);
-    return (1.0f - straight * straight) * cap_share(up.spread + 0.5f * alpha * alpha,
-                                                    1.0f - critical_cosine(1.0f / eta), 1.0f - dot(up.direction, n));
-}
-
-// The same of light from the base.
-SHARED float share_of_base_light(Coating coating, Lobe up, vec3 n) {
-    up.spread *= coating.diffuse ? 1.34f : 1.2f;
-    return share_within_critical_angle(coating, up, n);
-}
-
-// How far that counts in place of the tables: for wide lobes, under a side that is not rough itself.
-SHARED float edge_weight(Coating coating, Lobe up) {
-    float alpha = alpha_from_roughness(coating.outer.near_roughness);
-    return clamp((up.spread - 0.01f) / 0.07f, 0.0f, 1.0f) * clamp(1.5f - 2.0f * alpha, 0.0f, 1.0f);
-}
-
-// What of the light leaves the layer. Narrow lobes stay together.
-SHARED Moments leaving_lobe(Coating coating, BaseLight light, vec3 n) {
-    float roughness = coating.outer.near_roughness;
-    Lobe up = light.lobe;
-    up.energy *= overhang_factor(roughness);
-    return left_through(coating.outer, roughness, up, -n);
-}
-
-SHARED Fan leaving_light(Coating coating, BaseLight light, vec3 n) {
-    float roughness = coating.outer.near_roughness;
-    Fan fan = fanned_out(coating.outer, roughness, light.lobe, -n, overhang_factor(roughness));
-    float t = edge_weight(coating, light.lobe);
-    if (t <= 0.0f) return fan;
-    float shares[FAN_RAYS];
-    float sum = 0.0f;
-    for (int i = 0; i < FAN_RAYS; ++i) {
-        Lobe ray = light.lobe;
-        ray.direction = fan_ray(light.lobe, -n, i);
-        ray.spread *= FAN_LEFT;
-        shares[i] = share_within_critical_angle(coating, ray, n);
-        sum += shares[i];
-    }
-    float energy = light.lobe.energy * overhang_factor(roughness) * share_of_base_light(coating, light.lobe, n);
-    for (int i = 0; i < FAN_RAYS; ++i)
-        fan.lobes[i].energy = mix(fan.lobes[i].energy, energy * shares[i] / max(sum, 1e-6f), t);
-    return fan;
-}
-
-// Light of the next bounce, by what the outer side keeps inside.
-SHARED BaseLight next_bounce(Coating coating, BaseLight light, vec3 n) {
-    float roughness = coating.outer.near_roughness;
-    Lobe down = kept_inside(coating.outer, roughness, light.lobe, -n);
-    float t = edge_weight(coating, light.lobe);
-    float kept = light.lobe.energy * (1.0f - share_of_base_light(coating, light.lobe, n));
-    down.energy = overhang_factor(roughness) * mix(down.energy, kept, t);
-    return after_base(coating, down, light.color, n);
+// The lobe of a slice to one side of the plane of incidence, +1 or -1; its energy is its share of the group's.
+SHARED Lobe coating_lobe(CoatingTable table, CoatingPlace place, int group, vec4 slice, float side) {
+    Lobe lobe;
+    lobe.energy = is_divided(table, group) ? 1.0f / float(COATING_LOBES) : 1.0f;
+    lobe.spread = clamp(exp2(slice.w), LOBE_MIN_SPREAD, 1.0f);
+    lobe.direction = normalize(slice.x * place.tangent + side * slice.y * place.side + slice.z * place.n);
+    return lobe;
 }
