@@ -218,14 +218,15 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     geometry_.clear(targets.front, Faces::NearestFront, {glm::ivec2(0), settings.size});
     for (int number = 0; number < static_cast<int>(canvas.groups.size()); ++number) {
         const ViewGroup& group = canvas.groups[number];
-        {
+        const bool has_solids = group.has(MaterialKind::Solid);
+        if (has_solids) {
             const gl::PassScope pass("back faces");
             const gl::Timers::Scope timer(timers_, "back_faces");
             geometry_.clear(targets.back, Faces::FarthestBack, back_rect(group));
             geometry_.draw(targets.back, Faces::FarthestBack, view, group, number, surfaces);
             pass.check();
         }
-        if (with_layers) {
+        if (has_solids && with_layers) {
             const gl::PassScope pass("inner layers");
             const gl::Timers::Scope timer(timers_, "inner_layers");
             geometry_.clear(targets.inner->nearest_back, Faces::NearestBack, back_rect(group));
@@ -235,13 +236,13 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
                            surfaces);
             pass.check();
         }
-        if (with_classes) {
+        if (has_solids && with_classes) {
             const gl::PassScope pass("coverage pyramid");
             const gl::Timers::Scope timer(timers_, "coverage");
             glGenerateTextureMipmap(targets.class_pyramid.id());
             pass.check();
         }
-        if (with_pyramid) {
+        if (has_solids && with_pyramid) {
             const gl::PassScope pass("geometry pyramid");
             const gl::Timers::Scope timer(timers_, "pyramid");
             pyramid_->build(targets.back.texels());
@@ -253,7 +254,7 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
             geometry_.draw(targets.front, Faces::NearestFront, view, group, number, surfaces);
             pass.check();
         }
-        {
+        if (has_solids) {
             const gl::PassScope pass("refraction");
             const gl::Timers::Scope timer(timers_, "refraction");
             const BackGeometry back{targets.back, targets.class_pyramid,

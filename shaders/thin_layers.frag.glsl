@@ -1,28 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shades what is seen of the thin layers of one group of objects: panes and coated surfaces. All light comes from the
-// environment and the lights; what lies behind a pane isn't known here.
+// Shades what is seen of the thin layers of one group of objects: with PANE defined, panes; with COATED, coated surfaces.
+// All light comes from the environment and the lights; what lies behind a pane isn't known here.
 #define THIN_LAYERS
 #include "local_lights.glsl"
 #include "screen_space.glsl"
-#include "lobe_tables.glsl"
 #include "materials.glsl"
 #include "lib/bundle.glsl"
-#include "lib/pane.glsl"
-#include "lib/pane_lookup.glsl"
-#include "lib/coated.glsl"
-
-uniform sampler2D coating_rows;  // a table's rows one below the other; see core/passes/gpu_scene.h
-
-vec4 sample_coating_rows(float column, float row) {
-    return textureLod(coating_rows, (vec2(column, row) + 0.5) / vec2(textureSize(coating_rows, 0)), 0.0);
-}
-
-#include "lib/coated_lookup.glsl"
 
 uniform sampler2D front_roughness;
 uniform bool reflection;
 
 layout(location = 0) out vec4 radiance;
+
+#ifdef PANE
+const int SHADED_KIND = KIND_PANE;
+
+#include "lobe_tables.glsl"
+#include "lib/spherical_gaussian.glsl"
+#include "lib/pane.glsl"
+#include "lib/pane_lookup.glsl"
 
 vec3 incoming_radiance(Place place, WideLobe lobe, float width) {
     float spread = widened_spread(lobe.spread, width);
@@ -49,11 +45,6 @@ vec3 incoming_radiance(Place place, Fan fan) {
     return sum;
 }
 
-Pane pane_of(Material material, Layer layer, vec2 roughness) {
-    return Pane(material.tables.x, material.tables.y, material.tables.z, material.tables.w, material.reflection_ior.w,
-                roughness.x, roughness.y, layer.kind.z != 0);
-}
-
 // By the outer side.
 vec3 mirrored_radiance(Material material, Pane pane, Place place, vec3 d, bool tail) {
     if (!reflection || pane.reflection_outside < 0) return vec3(0.0);
@@ -62,8 +53,9 @@ vec3 mirrored_radiance(Material material, Pane pane, Place place, vec3 d, bool t
     return material.reflection_ior.rgb * incoming_radiance(place, moments, tail);
 }
 
-vec3 pane_radiance(Material material, Layer layer, vec2 roughness, vec3 position, vec3 d, vec3 n) {
-    Pane pane = pane_of(material, layer, roughness);
+vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 position, vec3 d, vec3 n) {
+    Pane pane = Pane(material.tables.x, material.tables.y, material.tables.z, material.tables.w,
+                     material.reflection_ior.w, roughness.x, roughness.y, layer.kind.z != 0);
     bool tail = layer.edge_tint.w > 0.0;
     vec3 color = material.color_roughness.rgb * material.color_roughness.rgb;  // of two refractions
     Place behind = Place(position, -n);
@@ -74,27 +66,45 @@ vec3 pane_radiance(Material material, Layer layer, vec2 roughness, vec3 position
     return sum + mirrored_radiance(material, pane, before, d, tail);
 }
 
-// Of a group that is not divided; wider along one axis, as lobes at slanted views are.
-vec3 incoming_radiance(Place place, Lobe lobe, bool tail) {
-    return incoming_radiance(place, add_lobe(no_moments(), lobe, place.side, 1.0), tail);
+#else
+const int SHADED_KIND = KIND_COATED;
+
+#include "lib/coated.glsl"
+
+uniform sampler2D coating_rows;  // tables one below the other; see core/passes/gpu_scene.h
+
+vec4 sample_coating_rows(float column, float row) {
+    return textureLod(coating_rows, (vec2(column, row) + 0.5) / vec2(textureSize(coating_rows, 0)), 0.0);
 }
 
+#include "lib/coated_lookup.glsl"
+
+// Under a group's lobes, of energy 1 in all. One that isn't divided is as wide along one axis as lobes at slanted views
+// are. Loops in place of branches: software OpenGL walks through both sides of each branch.
 vec3 group_radiance(Place place, Coating coating, CoatingPlace at, int group, bool tail) {
-    vec4 first = coating_slice(at, group, 0);
-    if (!is_divided(coating.table, group))
-        return incoming_radiance(place, coating_lobe(coating.table, at, group, first, 0.0), tail);
+    bool divided = is_divided(coating.table, group);
+    int parts = coating_parts(coating.table, group);
+    int lobes = divided ? 2 : EXIT_TAPS;
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < COATING_SLICES; ++i) {
-        vec4 slice = i == 0 ? first : coating_slice(at, group, i);
-        for (float side = -1.0; side < 2.0; side += 2.0) {
-            Lobe lobe = coating_lobe(coating.table, at, group, slice, side);
-            sum += lobe.energy * incoming_radiance(place, lobe.direction, lobe.spread);
+    for (int i = 0; i < parts; ++i) {
+        vec4 part = coating_part(at, group, i);
+        Lobe lobe = coating_lobe(coating.table, at, group, part, 1.0);
+        WideLobe wide = wide_lobe(lobe.direction, lobe.spread, place.side);
+        for (int j = 0; j < lobes; ++j) {
+            vec3 direction = divided ? coating_lobe(coating.table, at, group, part, float(2 * j - 1)).direction
+                                     : tap_direction(wide, j);
+            float spread = divided ? lobe.spread : wide.spread;
+            for (int width = 0; width < (tail ? 2 : 1); ++width) {
+                float share = !tail ? 1.0 : width == 0 ? 1.0 - TAIL_SHARE : TAIL_SHARE;
+                float widened = !tail ? spread : widened_spread(spread, width == 0 ? CORE_WIDTH : TAIL_WIDTH);
+                sum += share * incoming_radiance(place, direction, widened);
+            }
         }
     }
-    return sum;
+    return sum / float(parts * lobes);
 }
 
-vec3 coated_radiance(Material material, Layer layer, vec2 roughness, vec3 position, vec3 d, vec3 n) {
+vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 position, vec3 d, vec3 n) {
     CoatingTable table = CoatingTable(layer.table.x, layer.table.y, layer.table.z, layer.table.w,
                                       layer.table_ranges.x, layer.table_ranges.y, layer.table_ranges.z,
                                       layer.table_ranges.w);
@@ -114,18 +124,17 @@ vec3 coated_radiance(Material material, Layer layer, vec2 roughness, vec3 positi
     return sum;
 }
 
+#endif
+
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 face = texelFetch(front_faces, pixel, 0);
     if (face.w < 0.0 || decode_group(face.w) != group) discard;
-    Material material = materials[decode_material(face.w)];
-    if (material.absorption.w >= 0.0) discard;  // refraction.frag.glsl shades it
     Layer layer = layers[decode_material(face.w)];
+    if (layer.kind.x != SHADED_KIND) discard;
     vec3 position = position_at(gl_FragCoord.xy, face.z);
     vec3 d = view_direction(position);
     vec3 n = toward_viewer(decode_normal(face.xy), d);
     vec2 roughness = MAX_ROUGHNESS * texelFetch(front_roughness, pixel, 0).xy;
-    bool is_pane = layer.kind.x == KIND_PANE;
-    radiance = vec4(is_pane ? pane_radiance(material, layer, roughness, position, d, n)
-                            : coated_radiance(material, layer, roughness, position, d, n), 1.0);
+    radiance = vec4(layer_radiance(materials[decode_material(face.w)], layer, roughness, position, d, n), 1.0);
 }

@@ -20,7 +20,7 @@ using glm::dvec3;
 using model::COATING_ANGLES;
 using model::COATING_GROUPS;
 using model::COATING_ITEMS;
-using model::COATING_SLICES;
+using model::COATING_PARTS;
 
 // Of the roughness' axis between its ends; a texture with all values has so many nodes.
 constexpr int most_nodes = 10;
@@ -124,48 +124,56 @@ glm::vec4 whole_lobe(const std::vector<Weighted>& group) {
     return lobe_item(mean, squared.x + squared.y + squared.z);
 }
 
-// In parts of equal energy by the angle in the plane of incidence; what lies on a border is shared.
-std::array<std::vector<Weighted>, COATING_SLICES> divided(const std::vector<Weighted>& group) {
+// In parts of equal energy by a coordinate of their directions; what lies on a border is shared.
+template <typename Coordinate>
+std::vector<std::vector<Weighted>> divided(const std::vector<Weighted>& light, int parts, Coordinate coordinate) {
     std::vector<std::pair<float, Weighted>> sorted;
     double total = 0.0;
-    for (const Weighted& i : group) {
-        sorted.emplace_back(std::atan2(i.direction.x, i.direction.z), i);
+    for (const Weighted& i : light) {
+        sorted.emplace_back(coordinate(i.direction), i);
         total += i.weight;
     }
     std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::array<std::vector<Weighted>, COATING_SLICES> slices;
-    const double share = total / COATING_SLICES;
+    std::vector<std::vector<Weighted>> result(parts);
+    const double share = total / parts;
     double filled = 0.0;
-    int slice = 0;
-    for (const auto& [angle, i] : sorted) {
+    int part = 0;
+    for (const auto& [place, i] : sorted) {
         double left = i.weight;
-        while (slice < COATING_SLICES - 1 && filled + left > share) {
-            slices[slice].push_back({i.direction, static_cast<float>(share - filled)});
+        while (part < parts - 1 && filled + left > share) {
+            result[part].push_back({i.direction, static_cast<float>(share - filled)});
             left -= share - filled;
             filled = 0.0;
-            ++slice;
+            ++part;
         }
-        slices[slice].push_back({i.direction, static_cast<float>(left)});
+        result[part].push_back({i.direction, static_cast<float>(left)});
         filled += left;
     }
-    return slices;
+    return result;
 }
 
-// Lobes with the means of their slices stand apart, with gaps between them: they are drawn together by this part,
-// all means along with the spread that this takes from between them. Measured on coatings of kappa 1 and 10 under
-// three environment maps, where it is flat.
-constexpr double drawn_together = 0.05;
+// Lobes with the means of their parts would stand apart, with gaps between them: their mean vectors are drawn together
+// so far, which leaves that of the whole as it is and makes each of them wider. Measured under the forest map, on
+// coatings of kappa 1 to 1e6, where it is flat.
+constexpr double drawn_together = 0.1;
 
-// In slices by the angle in the plane of incidence, folded to one side of it.
-std::array<glm::vec4, COATING_SLICES> sliced_lobes(const std::vector<Weighted>& group) {
+using Parts = std::array<glm::vec4, COATING_PARTS>;
+
+// Of a group, in parts by the angle in the plane of incidence and by the distance from it, folded to one side.
+Parts divided_lobes(const std::vector<Weighted>& group) {
     const dvec3 whole = mean_of(group, [](const glm::vec3& i) { return glm::vec3(i.x, 0.0F, i.z); });
-    std::array<glm::vec4, COATING_SLICES> lobes;
-    const auto slices = divided(group);
-    std::transform(slices.begin(), slices.end(), lobes.begin(), [&](const std::vector<Weighted>& slice) {
-        const dvec3 folded = mean_of(slice, [](const glm::vec3& i) { return glm::vec3(i.x, std::abs(i.y), i.z); });
-        const dvec3 mean = glm::mix(folded, whole, drawn_together);
-        return lobe_item(mean, 1.0 - glm::dot(mean, mean));
-    });
+    Parts lobes;
+    auto lobe = lobes.begin();
+    for (const auto& slice : divided(group, model::COATING_SLICES,
+                                     [](const glm::vec3& i) { return std::atan2(i.x, i.z); })) {
+        for (const auto& part : divided(slice, COATING_PARTS / model::COATING_SLICES,
+                                        [](const glm::vec3& i) { return std::abs(i.y); })) {
+            const dvec3 folded =
+                mean_of(part, [](const glm::vec3& i) { return glm::vec3(i.x, std::abs(i.y), i.z); });
+            const dvec3 mean = glm::mix(folded, whole, drawn_together);
+            *lobe++ = lobe_item(mean, 1.0 - glm::dot(mean, mean));
+        }
+    }
     return lobes;
 }
 
@@ -174,7 +182,7 @@ struct Node {
     glm::vec4 energies{0.0F};
     glm::vec4 means{0.0F};
     std::array<glm::vec4, COATING_GROUPS> whole{};
-    std::array<std::array<glm::vec4, COATING_SLICES>, COATING_GROUPS> sliced{};
+    std::array<Parts, COATING_GROUPS> divided{};
 };
 
 Node node_of(const LayeredSurface& layer, bool reflects_inside, const std::vector<Point>& points, float cos_theta) {
@@ -189,7 +197,7 @@ Node node_of(const LayeredSurface& layer, bool reflects_inside, const std::vecto
         for (const Weighted& i : light) sums[group] += i.weight;
         if (sums[group] <= 1e-6 * count) continue;
         node.whole[group] = whole_lobe(light);
-        node.sliced[group] = sliced_lobes(light);
+        node.divided[group] = divided_lobes(light);
     }
     const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
     const auto& energies = scattered.energies;
@@ -208,7 +216,7 @@ void fill_dark(Row& row) {
         for (int group = 0; group < COATING_GROUPS; ++group) {
             if (glm::vec3(row[column].whole[group]) != glm::vec3(0.0F)) continue;
             row[column].whole[group] = row[column + 1].whole[group];
-            row[column].sliced[group] = row[column + 1].sliced[group];
+            row[column].divided[group] = row[column + 1].divided[group];
         }
     }
 }
@@ -236,8 +244,8 @@ void smooth(Row& row) {
         node.means = average([](const Node& n) { return n.means; });
         for (int group = model::COATING_FIRST; group < COATING_GROUPS; ++group) {
             node.whole[group] = average([=](const Node& n) { return n.whole[group]; });
-            for (int i = 0; i < COATING_SLICES; ++i)
-                node.sliced[group][i] = average([=](const Node& n) { return n.sliced[group][i]; });
+            for (int i = 0; i < COATING_PARTS; ++i)
+                node.divided[group][i] = average([=](const Node& n) { return n.divided[group][i]; });
         }
     }
 }
@@ -345,10 +353,10 @@ CoatingTable CoatingTable::build(const CoatingKey& key) {
         for (const Node& node : row) table.nodes.push_back(node.energies);
         for (const Node& node : row) table.nodes.push_back(node.means);
         for (int group = 0; group < COATING_GROUPS; ++group) {
-            const bool divided = (layout.divided >> group & 1) != 0;
-            for (int slice = 0; slice < COATING_SLICES; ++slice)
+            const bool is_divided = (layout.divided >> group & 1) != 0;
+            for (int part = 0; part < COATING_PARTS; ++part)
                 for (const Node& node : row)
-                    table.nodes.push_back(divided ? node.sliced[group][slice] : node.whole[group]);
+                    table.nodes.push_back(is_divided ? node.divided[group][part] : node.whole[group]);
         }
     }
     return table;

@@ -63,15 +63,15 @@ class LobeModel {
         return lookup().coating_place(coating, d, n);
     }
     CoatingLight coating_light(const CoatingPlace& place) const { return lookup().coating_light(place); }
-    int coating_slices(const CoatingTable& table, int group) const {
-        return lookup().coating_slices(table, group);
+    int coating_parts(const CoatingTable& table, int group) const {
+        return lookup().coating_parts(table, group);
     }
-    vec4 coating_slice(const CoatingPlace& place, int group, int slice) const {
-        return lookup().coating_slice(place, group, slice);
+    vec4 coating_part(const CoatingPlace& place, int group, int part) const {
+        return lookup().coating_part(place, group, part);
     }
-    Lobe coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group, const vec4& slice,
+    Lobe coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group, const vec4& part,
                       float side) const {
-        return lookup().coating_lobe(table, place, group, slice, side);
+        return lookup().coating_lobe(table, place, group, part, side);
     }
     PaneLobes pane_lobes(const Pane& pane, const vec3& d, const vec3& n) const {
         return lookup().pane_lobes(pane, d, n);

@@ -148,6 +148,7 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     shader.set("tir", static_cast<int>(tir_of_exits(inputs.settings)));
     shader.set("reflection", inputs.settings.reflection ? 1 : 0);
     for (const ViewObject& item : group.objects) {
+        if (!item.has(MaterialKind::Solid)) continue;
         begin(target, inputs.view, item.rect);
         shader.set("bound", item.diagonal);
         shader.set("object_rect", glm::vec4(item.rect.begin, item.rect.end));
@@ -157,22 +158,36 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
 
 void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
                          const MaterialCache& materials, const ViewGroup& group, int number) {
-    if (!program_) program_.emplace("full_screen.vert.glsl", "thin_layers.frag.glsl");
-    program_->use();
-    set_environment(*program_, inputs);
-    set_lights(*program_, inputs.lights);
-    set_screen_space(*program_, inputs);
-    set_texture(*program_, "lobe_tables", tables_unit, materials.lobe_tables());
-    set_texture(*program_, "front_roughness", front_roughness_unit, inputs.front.roughness());
-    set_texture(*program_, "coating_rows", coatings_unit, materials.coating_rows());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, materials.layers().id());
-    program_->set("group", number);
-    program_->set("reflection", inputs.settings.reflection ? 1 : 0);
-    for (const ViewObject& item : group.objects) {
-        begin(target, inputs.view, item.rect);
-        gl::draw_full_screen(empty_);
+    for (const MaterialKind kind : {MaterialKind::Pane, MaterialKind::Coated}) {
+        if (!group.has(kind)) continue;
+        const gl::Program& shader = program(kind);
+        shader.use();
+        set_environment(shader, inputs);
+        set_lights(shader, inputs.lights);
+        set_screen_space(shader, inputs);
+        if (kind == MaterialKind::Pane)
+            set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
+        else
+            set_texture(shader, "coating_rows", coatings_unit, materials.coating_rows());
+        set_texture(shader, "front_roughness", front_roughness_unit, inputs.front.roughness());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, materials.layers().id());
+        shader.set("group", number);
+        shader.set("reflection", inputs.settings.reflection ? 1 : 0);
+        for (const ViewObject& item : group.objects) {
+            if (!item.has(kind)) continue;
+            begin(target, inputs.view, item.rect);
+            gl::draw_full_screen(empty_);
+        }
     }
+}
+
+const gl::Program& ThinLayerPass::program(MaterialKind kind) {
+    const auto found = programs_.find(kind);
+    if (found != programs_.end()) return found->second;
+    const std::vector<std::string> defines = {kind == MaterialKind::Pane ? "PANE" : "COATED"};
+    return programs_.emplace(kind, gl::Program("full_screen.vert.glsl", "thin_layers.frag.glsl", defines))
+        .first->second;
 }
 
 BackgroundPass::BackgroundPass()

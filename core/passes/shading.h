@@ -78,7 +78,9 @@ class ThinLayerPass {
               const ViewGroup& group, int number);
 
   private:
-    std::optional<gl::Program> program_;  // from when it is needed first
+    const gl::Program& program(MaterialKind kind);
+
+    std::map<MaterialKind, gl::Program> programs_;  // from when they are needed first
     gl::VertexArray empty_;
 };
 

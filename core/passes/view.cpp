@@ -48,6 +48,8 @@ std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes
         item.object = &object;
         item.mesh = &meshes[object.mesh];
         item.model_to_view = scene.camera.view * object.matrix;
+        for (const int material : object.materials)
+            item.kinds |= 1U << static_cast<unsigned>(scene.materials[material].kind);
         const auto corners = corners_of(*object.mesh, item.model_to_view);
         item.rect = project(corners, scene.camera.projection, size);
         item.diagonal = glm::distance(corners.front(), corners.back());

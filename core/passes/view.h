@@ -25,12 +25,20 @@ struct ViewObject {
     glm::mat4 model_to_view{1.0F};
     Rect rect;           // pixels that it can cover
     float diagonal = 0;  // of its bounding box in world units
+    unsigned kinds = 0;  // bits of its materials' MaterialKind
+
+    bool has(MaterialKind kind) const { return (kinds >> static_cast<unsigned>(kind) & 1U) != 0; }
 };
 
 // Objects whose rectangles don't overlap share their passes, and no pixel of one sees the back of another.
 struct ViewGroup {
     std::vector<ViewObject> objects;
     Rect rect;  // around all
+
+    bool has(MaterialKind kind) const {
+        return std::any_of(objects.begin(), objects.end(),
+                           [kind](const ViewObject& item) { return item.has(kind); });
+    }
 };
 
 // The objects that can be seen in the region, in groups.

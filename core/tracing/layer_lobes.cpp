@@ -72,13 +72,13 @@ void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm:
         const glm::vec3 color = model::coating_color(coating, light, group) *
                                 (mirrored ? material.reflection_color : material.color * material.color);
         if (model::greatest(color) <= 0.0F) continue;
-        const int slices = lobes.coating_slices(coating.table, group);
-        for (int slice = 0; slice < slices; ++slice) {
-            const glm::vec4 item = lobes.coating_slice(place, group, slice);
+        const int parts = lobes.coating_parts(coating.table, group);
+        for (int i = 0; i < parts; ++i) {
+            const glm::vec4 part = lobes.coating_part(place, group, i);
             for (const float side : {1.0F, -1.0F}) {
                 add({mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin,
-                     lobes.coating_lobe(coating.table, place, group, item, side), color});
-                if (slices == 1) break;
+                     lobes.coating_lobe(coating.table, place, group, part, side), color});
+                if (parts == 1) break;  // in the plane itself
             }
         }
     }

@@ -46,7 +46,7 @@ class LayerLobes {
     void add_coated(const TracedScene& scene, const Hit& hit, const glm::vec3& d, const glm::vec3& n);
 
     // Of a coating; a pane has a transmitted one, two fans, and a mirrored one.
-    static constexpr std::size_t most_lobes = std::max(model::COATING_GROUPS * model::COATING_LOBES,
+    static constexpr std::size_t most_lobes = std::max(2 * model::COATING_GROUPS * model::COATING_PARTS,
                                                        2 + 2 * model::FAN_RAYS);
 
     std::array<LayerLobe, most_lobes> lobes_;
