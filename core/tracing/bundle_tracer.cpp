@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/material/microfacet.h"
-#include "core/material/layer_walk.h"
+#include "core/material/pane_walk.h"
 #include "core/math/frame.h"
 #include "core/math/pixel_filter.h"
 #include "core/math/sobol.h"
@@ -40,9 +40,9 @@ constexpr int first_inner_dimension = 4;
 constexpr int inner_dimensions = 6;
 constexpr int chance_dimension = 2;      // of the three of an event
 constexpr int reflection_dimension = 3;  // the reflected branch has its own
-// Those of walks in thin layers come after all of these.
+// Those of walks in panes come after all of these.
 constexpr int first_walk_dimension = first_inner_dimension + max_drawn_interfaces * inner_dimensions;
-constexpr int walk_dimensions = 3 * LayerWalk::most_steps;
+constexpr int walk_dimensions = 3 * PaneWalk::most_steps;
 
 // A narrower front lobe is one ray: more would land in the same pixels of anything.
 constexpr float least_bundle_spread = 1e-6F;
@@ -309,8 +309,12 @@ void BundleTracer::meet(const Beam& incoming, const glm::vec3& d, const Hit& hit
 }
 
 void BundleTracer::meet_layer(const Meeting& meeting, Wave& next) const {
-    if (sample_ > 0) return draw_layer(meeting, next);
+    if (sample_ > 0 && meeting.material.kind == MaterialKind::Pane) return draw_layer(meeting, next);
     const LayerLobes lobes = LayerLobes::of(scene_, meeting.hit, meeting.d, meeting.n, meeting.entering);
+    if (sample_ > 0) {
+        draw_mirrored(meeting, next);
+        return draw_from_within(meeting, lobes, next);
+    }
     const LayerLobe* greatest_lobe = nullptr;
     float greatest_weight = 0.0F;
     for (const LayerLobe& lobe : lobes.all()) {
@@ -330,6 +334,53 @@ BundleTracer::Branch BundleTracer::branch_of(const Meeting& meeting, const Layer
             .lobe = lobe.lobe,
             .color = lobe.color,
             .weight = meeting.beam.weight * lobe.lobe.energy * lobe.color};
+}
+
+// Light from the base of a coating: of its lobes four at the front, else one, drawn by their weight.
+void BundleTracer::draw_from_within(const Meeting& meeting, const LayerLobes& lobes, Wave& next) const {
+    if (meeting.beam.interfaces >= max_drawn_interfaces) return;
+    float sum = 0.0F;
+    for (const LayerLobe& lobe : lobes.all()) {
+        if (lobe.way != LayerLobe::Way::FromWithin) continue;
+        const Branch branch = branch_of(meeting, lobe);
+        light(meeting, branch);
+        sum += greatest(branch.weight);
+    }
+    const int count = meeting.beam.interfaces == 0 ? model::BUNDLE_RAYS : 1;
+    for (int number = 0; number < count && sum > 0.0F; ++number) {
+        Beam outgoing = meeting.beam;
+        if (meeting.beam.interfaces == 0) outgoing.number = number;
+        const SobolPoint point = point_of(outgoing);
+        float choice = sum * point[first_walk_dimension + outgoing.interfaces * walk_dimensions + 2];
+        for (const LayerLobe& lobe : lobes.all()) {
+            if (lobe.way != LayerLobe::Way::FromWithin) continue;
+            Branch branch = branch_of(meeting, lobe);
+            const float weight = greatest(branch.weight);
+            choice -= weight;
+            if (choice >= 0.0F || weight <= 0.0F) continue;
+            branch.weight *= sum / (weight * static_cast<float>(count));
+            draw_lobe(meeting, branch, outgoing, next);
+            break;
+        }
+    }
+}
+
+// A direction from a lobe as a spherical Gaussian, where it hasn't been drawn by facets.
+void BundleTracer::draw_lobe(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const {
+    outgoing.weight = branch.weight;
+    const SobolPoint point = point_of(outgoing);
+    const int first = first_walk_dimension + outgoing.interfaces * walk_dimensions;
+    const float chance = greatest(outgoing.weight) / least_drawn_weight;
+    if (chance < 1.0F && outgoing.interfaces > 0) {
+        if (point[first + 3] >= chance) return;
+        outgoing.weight /= chance;
+    }
+    const float kappa = std::max(model::kappa_from_spread(branch.lobe.spread), 1e-3F);
+    const glm::vec3 d =
+        on_side(frame_of(branch.lobe.direction) * sample_vmf(kappa, point.pair(first)), meeting.side(branch));
+    look_between(meeting, branch, d, outgoing);
+    next.beams.push_back(outgoing);
+    send(meeting, branch, d, next);
 }
 
 void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool is_greater,
@@ -524,19 +575,19 @@ void BundleTracer::draw_mirrored(const Meeting& meeting, Wave& next) const {
 void BundleTracer::draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) const {
     const SobolPoint point = point_of(outgoing);
     const int first = first_walk_dimension + outgoing.interfaces * walk_dimensions;
-    std::array<glm::vec3, LayerWalk::most_steps> u;
-    for (int step = 0; step < LayerWalk::most_steps; ++step)
+    std::array<glm::vec3, PaneWalk::most_steps> u;
+    for (int step = 0; step < PaneWalk::most_steps; ++step)
         u[step] = glm::vec3(point.pair(first + 3 * step), point[first + 3 * step + 2]);
     const Material& material = meeting.material;
     const float far_roughness =
         meeting.entering ? inner_roughness_at(material, meeting.hit) : roughness_at(material, meeting.hit);
-    const LayeredSurface layer(material, meeting.entering, facet_alpha(roughness_at(material, meeting.hit)),
-                               facet_alpha(inner_roughness_at(material, meeting.hit)));
+    const LayeredSurface pane(material, meeting.entering, facet_alpha(roughness_at(material, meeting.hit)),
+                              facet_alpha(inner_roughness_at(material, meeting.hit)));
     const glm::mat3 frame = frame_of(meeting.n);
-    const auto end = walk_layer(layer, material.layer.bounces, glm::transpose(frame) * -meeting.d, u);
+    const auto end = walk_pane(pane, glm::transpose(frame) * -meeting.d, u);
     if (!end) return;
     const bool reflected = end->direction.z > 0.0F;
-    if (reflected && material.kind == MaterialKind::Pane && !settings_.reflection) return;
+    if (reflected && !settings_.reflection) return;
     const glm::vec3 d = frame * end->direction;
     Branch branch{.way = reflected ? Way::Reflected : Way::Through,
                   .lobe = last_lobe(meeting, *end, end->is_near ? meeting.roughness : far_roughness),
@@ -557,7 +608,7 @@ void BundleTracer::draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) 
 }
 
 // Of the interface at which a walk has ended.
-model::Lobe BundleTracer::last_lobe(const Meeting& meeting, const LayerWalk& end, float roughness) const {
+model::Lobe BundleTracer::last_lobe(const Meeting& meeting, const PaneWalk& end, float roughness) const {
     const Material& material = meeting.material;
     const glm::vec3 d = frame_of(meeting.n) * -end.o;
     const InterfaceTables& inside = scene_.tables(meeting.hit.material, 1.0F / material.ior);

@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 #include <span>
 
-#include "core/material/layer_walk.h"
+#include "core/material/pane_walk.h"
 #include "core/math/sobol.h"
 #include "core/math/unfilled.h"
 #include "core/scene/settings.h"
@@ -89,10 +89,12 @@ class BundleTracer {
     void look_between(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Beam& outgoing) const;
     SobolPoint point_of(const Beam& beam) const;
     static Branch branch_of(const Meeting& meeting, const LayerLobe& lobe);
+    void draw_from_within(const Meeting& meeting, const LayerLobes& lobes, Wave& next) const;
+    void draw_lobe(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
     void draw_layer(const Meeting& meeting, Wave& next) const;
     void draw_mirrored(const Meeting& meeting, Wave& next) const;
     void draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) const;
-    model::Lobe last_lobe(const Meeting& meeting, const LayerWalk& end, float roughness) const;
+    model::Lobe last_lobe(const Meeting& meeting, const PaneWalk& end, float roughness) const;
     void send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const;
     glm::vec3 looked_up(const Beam& beam) const;
     glm::vec3 looked_up(const Beam& beam, float spread) const;
