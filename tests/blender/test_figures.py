@@ -14,6 +14,7 @@ from verglas.compare.progress import Progress
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from figures import btdf, models, run  # noqa: E402
+from figures.figure import label  # noqa: E402
 from figures.studio import Case, Studio  # noqa: E402
 
 
@@ -55,6 +56,13 @@ def test_quick_run_writes_what_it_says(tmp_path):
         assert values and np.isfinite(values).all()
     assert {row["method"] for row in figures["10"]["numbers"]} == {"bundle", "traced", "paper"}
     assert "Fig. 16" in page  # among those that aren't made yet
+
+
+def test_figures_of_both_papers_have_their_labels():
+    """The page would show the ENDF paper's figures as the other's."""
+    assert label("13") == "Rough refraction, Fig. 13"
+    assert label("endf5") == "Thin layers (ENDF), Fig. 5"
+    assert label("endf_table2") == "Thin layers (ENDF), Table 2"
 
 
 def test_unknown_figure_is_refused(tmp_path, capsys):

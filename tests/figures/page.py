@@ -7,6 +7,8 @@ from pathlib import Path
 
 from verglas.compare import pages
 
+from .figure import label
+
 NOT_YET = {
     "Rough refraction, Fig. 16":
         "the slab before a spherical light needs thin panes and local lights.",
@@ -41,7 +43,7 @@ def write(folder: Path) -> Path:
 
 
 def _section(record: dict) -> str:
-    title = f"Fig. {record['figure']}: {record['title']}"
+    title = f"{label(record['figure'])}: {record['title']}"
     return pages.section(title, f"""{pages.picture(record['picture'], title)}
 <p>{escape(record['caption'])}</p>
 <details><summary>Numbers</summary>{_table(record['numbers'])}</details>
