@@ -290,7 +290,8 @@ TEST(LayeredBsdf, SamplesMeetItsValues) {
                 Material material = coating(kappa, 30.0);
                 material.layer.diffuse = diffuse;
                 const vec3 o = direction(0.7);
-                const LayeredBsdf bsdf(model, material, alpha_of(kappa), alpha_of(30.0), o);
+                const LayeredSurface layer(material, true, alpha_of(kappa), alpha_of(30.0));
+                const LayeredBsdf bsdf(model, material, layer, o);
                 double drawn = 0.0;
                 constexpr int count = 1 << 16;
                 for (int k = 0; k < count; ++k) {
