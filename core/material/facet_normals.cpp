@@ -136,20 +136,7 @@ double integrated_facing_area(double kappa, double theta_o) {
     return sum * step * kappa / (1.0 - std::exp(-2.0 * kappa));
 }
 
-// The same were o.m distributed normally, with the mean and the variance that it has.
-float normal_facing_area(float kappa, float cosine) {
-    const float A3 = mean_resultant_length(kappa);
-    const float along = std::max(1.0F - A3 * A3 - 2.0F * A3 / kappa, 0.0F);
-    const float cos2 = cosine * cosine;
-    const float deviation = std::sqrt((1.0F - cos2) * A3 / kappa + cos2 * along);
-    const float mean = A3 * cosine;
-    const float z = mean / std::max(deviation, 1e-12F);
-    if (z > 6.0F) return mean;
-    return mean * 0.5F * std::erfc(-z / std::sqrt(2.0F)) +
-           deviation * std::exp(-0.5F * z * z) / std::sqrt(2.0F * pi);
-}
-
-// The ratio of the two, which is smooth, and 1 for sharp distributions.
+// The ratio of it to the closed form, which is smooth, and 1 for sharp distributions.
 class FacingAreaRatios {
   public:
     FacingAreaRatios() {
@@ -158,7 +145,7 @@ class FacingAreaRatios {
             for (int i = 0; i < angles; ++i) {
                 const double theta = 0.5 * glm::pi<double>() * i / (angles - 1);
                 const float approximation =
-                    normal_facing_area(static_cast<float>(kappa), float(std::cos(theta)));
+                    model::approximate_facing_area(static_cast<float>(kappa), float(std::cos(theta)));
                 ratios_[j * angles + i] =
                     static_cast<float>(integrated_facing_area(kappa, theta)) / approximation;
             }
@@ -189,7 +176,7 @@ class FacingAreaRatios {
 
 float vmf_facing_area(float kappa, float cos_theta) {
     static const FacingAreaRatios ratios;
-    return ratios.at(kappa, cos_theta) * normal_facing_area(kappa, cos_theta);
+    return ratios.at(kappa, cos_theta) * model::approximate_facing_area(kappa, cos_theta);
 }
 
 FacetNormals FacetNormals::von_mises_fisher(float alpha) {

@@ -16,20 +16,6 @@ std::optional<glm::vec3> bent(const glm::vec3& up, float eta) {
     return glm::vec3(up.x / eta, up.y / eta, std::sqrt(cos2));
 }
 
-// d(m)/d(t) of a refraction by a facet in the surface (the ENDF paper, eq. 13), at these cosines before and
-// behind.
-float refraction_jacobian(float eta, float before, float behind) {
-    const float denominator = before - eta * behind;
-    return eta * eta * behind / std::max(denominator * denominator, 1e-12F);
-}
-
-// Spherical convolution: A3^-1(A3(a) A3(b)), by 1 - A3 so that sharp distributions keep their precision.
-float convolved(float a, float b) {
-    const float x = model::spread_from_kappa(a);
-    const float y = model::spread_from_kappa(b);
-    return model::kappa_from_spread(x + y - x * y);
-}
-
 float mean_of(const glm::vec3& v) { return (v.r + v.g + v.b) / 3.0F; }
 
 }  // namespace
@@ -64,20 +50,18 @@ LayeredBsdf::LayeredBsdf(LayerModel model, const Material& material, float alpha
 void LayeredBsdf::add_endf_bounces() {
     const float cos_t = t_.z;
     const float F = material_.fresnel ? model::fresnel_dielectric(o_.z, eta_) : 0.0F;
-    const float kappa_out = normals_.kappa() * refraction_jacobian(1.0F / eta_, cos_t, o_.z);
-    const float spread_out = o_.z / (eta_ * eta_ * cos_t);  // d(o)/d(t), eq. 21
     const glm::vec3 left = layer_.transmittance(cos_t) * layer_.transmittance(cos_t);
     const glm::vec3 at_base = layer_.base().fresnel(cos_t) * (base_normals_.masking(cos_t) * left);
     glm::vec3 energy = material_.color * material_.color * ((1.0F - F) * normals_.masking(cos_t));
-    float kappa = normals_.kappa() * refraction_jacobian(eta_, o_.z, cos_t);
+    float kappa = normals_.kappa() * model::facet_jacobian(eta_, o_.z, cos_t);
     const int bounces = std::min(material_.layer.bounces, Layer::max_bounces);
     for (int k = 1; k <= bounces; ++k) {
         energy *= at_base;
-        kappa = convolved(base_normals_.kappa() / (4.0F * cos_t), kappa);
-        const float exit_kappa = convolved(kappa_out, spread_out * kappa);
+        kappa = model::reflected_kappa(kappa, base_normals_.kappa(), cos_t);
+        const float exit_kappa = model::refracted_kappa(kappa, normals_.kappa(), 1.0F / eta_, cos_t, o_.z);
         bounces_[count_++] = {energy * (1.0F - F), 4.0F * o_.z * exit_kappa};  // eq. 19
         energy *= F * normals_.masking(cos_t);
-        kappa = convolved(normals_.kappa() / (4.0F * cos_t), kappa);
+        kappa = model::reflected_kappa(kappa, normals_.kappa(), cos_t);
     }
 }
 
@@ -92,7 +76,7 @@ void LayeredBsdf::add_base_bounce() {
 glm::vec3 LayeredBsdf::base_value(const glm::vec3& i, float& pdf) const {
     const glm::vec3 t = *bent(i, eta_);
     const CoatingBase::Value value = layer_.base().evaluate(t_, t);
-    const float solid_angle = i.z / (eta_ * eta_ * t.z);  // of t to i
+    const float solid_angle = model::beam_jacobian(1.0F / eta_, t.z, i.z);  // of t to i
     pdf = value.pdf * solid_angle;
     const float T = material_.fresnel ? (1.0F - model::fresnel_dielectric(o_.z, eta_)) *
                                             (1.0F - model::fresnel_dielectric(i.z, eta_))
