@@ -136,7 +136,7 @@ double integrated_facing_area(double kappa, double theta_o) {
     return sum * step * kappa / (1.0 - std::exp(-2.0 * kappa));
 }
 
-// The ratio of it to the closed form, which is smooth, and 1 for sharp distributions.
+// The ratio of that to the closed form, which is smooth, and 1 for sharp distributions.
 class FacingAreaRatios {
   public:
     FacingAreaRatios() {
