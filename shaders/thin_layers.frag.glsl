@@ -7,6 +7,7 @@
 #include "lobe_tables.glsl"
 #include "materials.glsl"
 #include "lib/bundle.glsl"
+#include "lib/spherical_warping.glsl"
 #include "lib/pane.glsl"
 #include "lib/pane_lookup.glsl"
 #include "lib/coated.glsl"

@@ -129,30 +129,7 @@ double integrated_facing_area(double kappa, double theta_o) {
     return sum * step * kappa / (1.0 - std::exp(-2.0 * kappa));
 }
 
-// Mean and standard deviation of o.m over vMF normals.
-struct Facing {
-    Facing(float kappa, float cosine) {
-        const float A3 = mean_resultant_length(kappa);
-        const float along = std::max(1.0F - A3 * A3 - 2.0F * A3 / kappa, 0.0F);
-        const float cos2 = cosine * cosine;
-        mean = A3 * cosine;
-        deviation = std::sqrt((1.0F - cos2) * A3 / kappa + cos2 * along);
-    }
-
-    // Whether as good as no facet looks away: then the mean is the facing area.
-    bool is_whole() const { return mean > 6.0F * deviation; }
-    // The facing area, were o.m distributed normally.
-    float normal_area() const {
-        const float z = mean / std::max(deviation, 1e-12F);
-        return mean * 0.5F * std::erfc(-z / std::sqrt(2.0F)) +
-               deviation * std::exp(-0.5F * z * z) / std::sqrt(2.0F * pi);
-    }
-
-    float mean;
-    float deviation;
-};
-
-// The ratio of the facing area to that of a normal distribution; smooth, and 1 for sharp distributions.
+// The ratio of that to the closed form, which is smooth, and 1 for sharp distributions.
 class FacingAreaRatios {
   public:
     FacingAreaRatios() {
@@ -160,9 +137,10 @@ class FacingAreaRatios {
             const double kappa = std::exp(last_log * j / (kappas - 1));
             for (int i = 0; i < angles; ++i) {
                 const double theta = 0.5 * glm::pi<double>() * i / (angles - 1);
-                const Facing facing(static_cast<float>(kappa), float(std::cos(theta)));
+                const float approximation =
+                    model::approximate_facing_area(static_cast<float>(kappa), float(std::cos(theta)));
                 ratios_[j * angles + i] =
-                    static_cast<float>(integrated_facing_area(kappa, theta)) / facing.normal_area();
+                    static_cast<float>(integrated_facing_area(kappa, theta)) / approximation;
             }
         }
     }
@@ -190,10 +168,11 @@ class FacingAreaRatios {
 }  // namespace
 
 float vmf_facing_area(float kappa, float cos_theta) {
-    const Facing facing(kappa, cos_theta);
-    if (facing.is_whole()) return facing.mean;
+    const float area = model::approximate_facing_area(kappa, cos_theta);
+    // As good as no facet looks away: then it is the mean of o.m.
+    if (area <= mean_resultant_length(kappa) * cos_theta) return area;
     static const FacingAreaRatios ratios;
-    return ratios.at(kappa, cos_theta) * facing.normal_area();
+    return ratios.at(kappa, cos_theta) * area;
 }
 
 FacetNormals FacetNormals::von_mises_fisher(float alpha) {

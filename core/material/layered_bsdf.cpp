@@ -16,19 +16,6 @@ std::optional<glm::vec3> bent(const glm::vec3& up, float eta) {
     return glm::vec3(up.x / eta, up.y / eta, std::sqrt(cos2));
 }
 
-// d(m)/d(t) of a refraction by a facet in the surface (the ENDF paper, eq. 13), at these cosines before and
-// behind.
-float refraction_jacobian(float eta, float before, float behind) {
-    const float denominator = before - eta * behind;
-    return eta * eta * behind / std::max(denominator * denominator, 1e-12F);
-}
-
-// Spread, 1 - A3(kappa), of the spherical convolution of two distributions: A3(kappa) = A3(a) A3(b).
-float convolved(float spread_a, float spread_b) { return spread_a + spread_b - spread_a * spread_b; }
-
-// Of normals' reflection (the ENDF paper, eq. 12).
-float mirrored_spread(float kappa, float cosine) { return model::spread_from_kappa(kappa / (4.0F * cosine)); }
-
 float mean_of(const glm::vec3& v) { return (v.r + v.g + v.b) / 3.0F; }
 
 }  // namespace
@@ -65,25 +52,24 @@ float LayeredBsdf::fresnel(float cos_theta) const {
 void LayeredBsdf::add_endf_bounces() {
     const float cos_t = t_.z;
     const float F = fresnel(o_.z);
-    const float base_spread = mirrored_spread(base_normals().kappa(), cos_t);
-    const float inner_spread = mirrored_spread(normals().kappa(), cos_t);
+    const float base_spread = model::spread_from_kappa(base_normals().kappa() / (4.0F * cos_t));
+    const float inner_spread = model::spread_from_kappa(normals().kappa() / (4.0F * cos_t));
     const float exit_spread =
-        model::spread_from_kappa(normals().kappa() * refraction_jacobian(1.0F / eta_, cos_t, o_.z));
-    const float exit_jacobian = o_.z / (eta_ * eta_ * cos_t);  // d(t)/d(o), eq. 21
+        model::spread_from_kappa(normals().kappa() * model::facet_jacobian(1.0F / eta_, cos_t, o_.z));
     const float masking = normals().masking(cos_t);
     const glm::vec3 left = layer_.transmittance(cos_t);
     const glm::vec3 at_base = layer_.base().fresnel(cos_t) * (base_normals().masking(cos_t) * left * left);
     glm::vec3 energy = material_.color * material_.color * ((1.0F - F) * masking);
-    float spread = model::spread_from_kappa(normals().kappa() * refraction_jacobian(eta_, o_.z, cos_t));
+    float spread = model::spread_from_kappa(normals().kappa() * model::facet_jacobian(eta_, o_.z, cos_t));
     const int bounces = std::min(material_.layer.bounces, Layer::max_bounces);
     for (int k = 1; k <= bounces; ++k) {
         energy *= at_base;
-        spread = convolved(base_spread, spread);
-        const float left_spread = model::spread_from_kappa(exit_jacobian * model::kappa_from_spread(spread));
-        const float kappa = model::kappa_from_spread(convolved(exit_spread, left_spread));
+        spread = model::convolved_spread(base_spread, spread);
+        const float kappa =
+            model::kappa_from_spread(model::warped_spread(spread, exit_spread, 1.0F / eta_, cos_t, o_.z));
         bounces_[count_++] = {energy * (1.0F - F), std::max(4.0F * o_.z * kappa, 1.0F)};  // eq. 19
         energy *= F * masking;
-        spread = convolved(inner_spread, spread);
+        spread = model::convolved_spread(inner_spread, spread);
     }
 }
 
@@ -98,7 +84,7 @@ void LayeredBsdf::add_base_bounce() {
 glm::vec3 LayeredBsdf::base_value(const glm::vec3& i, float& pdf) const {
     const glm::vec3 t = *bent(i, eta_);
     const CoatingBase::Value value = layer_.base().evaluate(t_, t);
-    const float solid_angle = i.z / (eta_ * eta_ * t.z);  // of t to i
+    const float solid_angle = model::beam_jacobian(1.0F / eta_, t.z, i.z);  // of t to i
     pdf = value.pdf * solid_angle;
     const float T = (1.0F - fresnel(o_.z)) * (1.0F - fresnel(i.z));
     return value.f_cos * (T * solid_angle) * layer_.transmittance(t_.z) * layer_.transmittance(t.z) *

@@ -13,7 +13,7 @@ from verglas.compare.progress import Progress
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from figures import btdf, models, run  # noqa: E402
+from figures import btdf, masking, models, run, warping  # noqa: E402
 from figures.figure import label  # noqa: E402
 from figures.studio import Case, Studio  # noqa: E402
 
@@ -42,11 +42,32 @@ def test_gaussian_has_its_energy():
     assert hemisphere.integral(values) == pytest.approx(0.7, rel=1e-3)
 
 
+@pytest.mark.parametrize("cosine, kappa_o, kappa_m", ((1.0, 50.0, 200.0), (0.707, 100.0, 100.0)))
+def test_exact_warp_is_that_of_drawn_directions(cosine, kappa_o, kappa_m):
+    """The curves of the ENDF paper's figures would belong to other beams than their numbers."""
+    warp = warping.Warp(cosine, kappa_o, kappa_m, 1.5)
+    hemisphere = btdf.Hemisphere.grid(100)
+    density = warp.density(hemisphere.directions.reshape(-1, 3), 1000).reshape(100, 100)
+    assert hemisphere.integral(density) == pytest.approx(1.0, abs=0.02)
+    mean = hemisphere.mean_vector(density)
+    assert np.linalg.norm(mean - warp.drawn_mean(20_000) * (1.0, 0.0, 1.0)) < 0.003
+
+
+def test_quadrature_of_masking_is_exact_where_that_is_known():
+    """Fig. 2 of the ENDF paper would blame the closed forms for an error of its own."""
+    for kappa in (1.0, 10.0, 100.0):
+        straight = (1.0 - (1.0 - math.exp(-kappa)) / kappa) / (1.0 - math.exp(-2.0 * kappa))
+        assert masking.facing_area(kappa, 1.0) == pytest.approx(straight, rel=1e-4)
+        # What faces the other side is as much less as the mean of o.m.
+        assert masking.facing_area(kappa, 0.3) - masking.facing_area(kappa, -0.3) == pytest.approx(
+            0.3 * warping.mean_length(kappa), rel=1e-4)
+
+
 def test_quick_run_writes_what_it_says(tmp_path):
     """The command would end well and leave figures, numbers or the page out."""
-    assert run.main(["--out", str(tmp_path), "--only", "3,10", "--size", "64", "--quick"]) == 0
+    assert run.main(["--out", str(tmp_path), "--only", "3,10,endf2,endf6", "--size", "64", "--quick"]) == 0
     figures = json.loads((tmp_path / "figures.json").read_text())["figures"]
-    assert set(figures) == {"3", "10"}
+    assert set(figures) == {"3", "10", "endf2", "endf6"}
     page = (tmp_path / "index.html").read_text()
     for record in figures.values():
         assert (tmp_path / record["picture"]).stat().st_size > 10000

@@ -26,20 +26,13 @@ float roughness_of(double kappa) { return float(std::pow(2.0 / kappa, 0.25)); }
 
 // A researcher loses: a truth whose masking fits its normals (the ENDF paper, eq. 7), for any roughness.
 TEST(FacetNormals, FacingAreaOfVmfIsItsIntegral) {
-    double furthest = 0.0;  // of the paper's approximation to G1, eq. 8
     for (const double kappa : {1.0, 3.0, 10.0, 100.0, 1000.0, 1e4}) {
         for (const double cosine : {1.0, 0.8, 0.5, 0.2, 0.05, 0.0}) {
             const double truth = reference::vmf_facing_area(kappa, cosine);
             EXPECT_NEAR(vmf_facing_area(float(kappa), float(cosine)) / truth, 1.0, 1e-3)
                 << kappa << " " << cosine;
-            if (kappa > 100.0) continue;
-            const double A3 = reference::mean_length(kappa);
-            const double approximation =
-                0.25 * (A3 + 1.0) * (A3 + 1.0) * std::cos(std::cbrt(A3) * std::acos(cosine));
-            furthest = std::max(furthest, std::abs(A3 * cosine / approximation - A3 * cosine / truth));
         }
     }
-    std::cout << "masking by eq. 8 differs from eq. 7 by at most " << furthest << "\n";
 }
 
 // A researcher loses: samples of vMF normals with the energy of the integrated model, whose weights are what

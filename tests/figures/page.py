@@ -12,10 +12,6 @@ from .figure import label
 NOT_YET = {
     "Rough refraction, Fig. 16":
         "the slab before a spherical light needs thin panes and local lights.",
-    "Thin layers (ENDF), Fig. 2":
-        "the masking of microfacets of a von Mises-Fisher distribution needs the layered material.",
-    "Thin layers (ENDF), Figs. 5 to 8":
-        "lobes by joint spherical warping need the layered material.",
     "Thin layers (ENDF), Fig. 10":
         "the rough slab needs thin panes.",
     "Thin layers (ENDF), Figs. 14 to 16":

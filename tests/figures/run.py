@@ -40,7 +40,8 @@ def main(arguments: list[str], silence: bool = False) -> int:
     if addon_utils.enable("verglas") is None:
         sys.exit("verglas: the add-on isn't installed in this Blender, or can't be enabled.")
     import matplotlib
-    from figures import against_truth, cost, gallery, layout, lobes, page, patterns, transports
+    from figures import (against_truth, cost, gallery, layout, lobes, masking, page, patterns, transports,
+                         warping)
     from figures.studio import Studio
     from verglas.compare.progress import Progress, silence_blender
     from verglas.faults import Fault
@@ -51,6 +52,8 @@ def main(arguments: list[str], silence: bool = False) -> int:
         "12": against_truth.figure_12, "13": patterns.figure_13, "14": cost.figure_14,
         "15": patterns.figure_15, "17": transports.figure_17, "18": transports.figure_18,
         "19": gallery.figure_19,
+        "endf2": masking.figure_2, "endf5": warping.figure_5, "endf6": warping.figure_6,
+        "endf7": warping.figure_7,
     }
     chosen = parse_arguments(arguments, list(makers))
     try:
