@@ -40,8 +40,8 @@ def main(arguments: list[str], silence: bool = False) -> int:
     if addon_utils.enable("verglas") is None:
         sys.exit("verglas: the add-on isn't installed in this Blender, or can't be enabled.")
     import matplotlib
-    from figures import (against_truth, cost, gallery, layout, lobes, masking, page, patterns, transports,
-                         warping)
+    from figures import (against_truth, cost, gallery, layer_cost, layers, layout, lobes, masking, page,
+                         patterns, transports, warping)
     from figures.studio import Studio
     from verglas.compare.progress import Progress, silence_blender
     from verglas.faults import Fault
@@ -53,7 +53,9 @@ def main(arguments: list[str], silence: bool = False) -> int:
         "15": patterns.figure_15, "17": transports.figure_17, "18": transports.figure_18,
         "19": gallery.figure_19,
         "endf2": masking.figure_2, "endf5": warping.figure_5, "endf6": warping.figure_6,
-        "endf7": warping.figure_7,
+        "endf7": warping.figure_7, "endf14": layers.figure_14, "endf15": layers.figure_15,
+        "endf16": layers.figure_16, "endf17": layers.figure_17, "endf18": layers.figure_18,
+        "endf_table2": layer_cost.table_2,
     }
     chosen = parse_arguments(arguments, list(makers))
     try:
