@@ -13,7 +13,7 @@ from verglas.compare.progress import Progress
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from figures import btdf, masking, models, run, warping  # noqa: E402
+from figures import btdf, coatings, layer_cost, layers, masking, models, run, warping  # noqa: E402
 from figures.figure import label  # noqa: E402
 from figures.studio import Case, Studio  # noqa: E402
 
@@ -65,9 +65,10 @@ def test_quadrature_of_masking_is_exact_where_that_is_known():
 
 def test_quick_run_writes_what_it_says(tmp_path):
     """The command would end well and leave figures, numbers or the page out."""
-    assert run.main(["--out", str(tmp_path), "--only", "3,10,endf2,endf6", "--size", "64", "--quick"]) == 0
+    made = ("3", "10", "endf2", "endf6", "endf14", "endf_table2")
+    assert run.main(["--out", str(tmp_path), "--only", ",".join(made), "--size", "64", "--quick"]) == 0
     figures = json.loads((tmp_path / "figures.json").read_text())["figures"]
-    assert set(figures) == {"3", "10", "endf2", "endf6"}
+    assert set(figures) == set(made)
     page = (tmp_path / "index.html").read_text()
     for record in figures.values():
         assert (tmp_path / record["picture"]).stat().st_size > 10000
@@ -102,3 +103,25 @@ def test_sample_scenes_stand_in_for_missing_models(tmp_path, monkeypatch):
         subject = Studio(32, True, Progress()).subject(Case(model, 24.0, tir=False))
         assert 0.05 < subject.mask.mean() < 0.6
     assert "bottle stands in" in models.about(models.MODELS["bunny"])
+
+
+@pytest.fixture
+def coated_monkey():
+    setting = coatings.model_setting(Studio(64, True, Progress()), layers.MONKEY)
+    return coatings.Coated(setting, coatings.Coating(kappa=1e4, base_kappa=1e3))
+
+
+@pytest.mark.parametrize("method", coatings.DEVICES)
+def test_kinds_of_light_in_a_layer_add_up(coated_monkey, method):
+    """Fig. 15 of the ENDF paper would show light as that of one bounce which isn't."""
+    kinds = ({"surface": False, "bounces": 1}, {"surface": False}, {})
+    pictures = [coated_monkey.changed(**kind).picture(method).pixels for kind in kinds]
+    one, both, whole = (float(pixels[coated_monkey.mask].mean(dtype=np.float64)) for pixels in pictures)
+    assert 0.0 < both - one < 0.2 * one
+    assert whole > both
+
+
+def test_noise_is_the_variance_of_pictures():
+    """Speedups at equal noise would be those at some other noise."""
+    pictures = 2.0 + 0.1 * np.random.default_rng(1).normal(size=(64, 500, 3))
+    assert layer_cost.noise(pictures) == pytest.approx(0.01 / 4.01, rel=0.05)

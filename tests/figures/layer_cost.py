@@ -68,14 +68,14 @@ def measure(coated: Coated, samples: int, seeds: int) -> Row:
     row: Row = {}
     for method, name in METHODS.items():
         row[f"{name}_ms_a_sample"] = 1e3 * min(seconds[method])
-        row[f"{name}_noise"] = _noise(np.array(pictures[method], np.float64))
+        row[f"{name}_noise"] = noise(np.array(pictures[method], np.float64))
     row["speedup_at_equal_samples"] = row["recursive_ms_a_sample"] / row["ENDF_ms_a_sample"]
     row["speedup_at_equal_noise"] = (row["speedup_at_equal_samples"] * row["recursive_noise"]
                                      / row["ENDF_noise"])
     return row
 
 
-def _noise(pictures: np.ndarray) -> float:
+def noise(pictures: np.ndarray) -> float:
     """Mean relative variance of independent pictures (N, pixels, 3) about their mean, as metrics.relmse."""
     return float(np.mean(pictures.var(axis=0, ddof=1) / (pictures.mean(axis=0) ** 2 + RELATIVE_FLOOR)))
 

@@ -14,10 +14,6 @@ NOT_YET = {
         "the slab before a spherical light needs thin panes and local lights.",
     "Thin layers (ENDF), Fig. 10":
         "the rough slab needs thin panes.",
-    "Thin layers (ENDF), Figs. 14 to 16":
-        "coated surfaces, with and without absorption, need the layered material and its ground truth.",
-    "Thin layers (ENDF), Figs. 17 and 18":
-        "coated surfaces in real time need the layered material.",
 }
 """Figures of the two papers that wait for a feature, and for which."""
 
