@@ -16,6 +16,15 @@ std::optional<glm::vec3> bent(const glm::vec3& up, float eta) {
     return glm::vec3(up.x / eta, up.y / eta, std::sqrt(cos2));
 }
 
+// Where a facet mirrors o to; none below the surface.
+std::optional<glm::vec3> mirrored(const glm::vec3& o, const glm::vec3& m) {
+    const float o_m = glm::dot(o, m);
+    const glm::vec3 i = 2.0F * o_m * m - o;
+    return o_m > 0.0F && i.z > 0.0F ? std::optional(glm::normalize(i)) : std::nullopt;
+}
+
+glm::vec3 turned(const glm::vec3& m) { return {-m.x, -m.y, m.z}; }
+
 float mean_of(const glm::vec3& v) { return (v.r + v.g + v.b) / 3.0F; }
 
 }  // namespace
@@ -99,15 +108,18 @@ LayeredBsdf::Value LayeredBsdf::evaluate(const glm::vec3& i) const {
     const float o_m = std::min(glm::dot(o_, m), 1.0F);
     const float by_m = 1.0F / (4.0F * o_m);  // d(m)/d(i), eq. 12
     const float masking = normals().masking(i.z);
-    const float surface_pdf = normals().pdf(o_, m) * by_m;
-    Value value{material_.reflection_color * (fresnel(o_m) * o_m / facing_area_ * masking * surface_pdf),
-                bounces_[0].probability * surface_pdf};
+    // sample() turns normals that mirror o below the surface: those opposite are drawn twice as often.
+    const float drawn = mirrored(o_, turned(m)) ? 1.0F : 2.0F;
+    const float surface_density = normals().pdf(o_, m) * by_m;
+    Value value{material_.reflection_color * (fresnel(o_m) * o_m / facing_area_ * masking * surface_density),
+                bounces_[0].probability * drawn * surface_density};
     for (int k = 1; k < count_; ++k) {
         const Bounce& bounce = bounces_[k];
         float pdf = 0.0F;
         if (is_endf_) {
-            pdf = VonMisesFisher(bounce.kappa).density(m.z) * by_m;
-            value.f_cos += bounce.energy * (masking * pdf);
+            const float density = VonMisesFisher(bounce.kappa).density(m.z) * by_m;
+            value.f_cos += bounce.energy * (masking * density);
+            pdf = drawn * density;
         } else {
             value.f_cos += base_value(i, pdf);
         }
@@ -129,8 +141,8 @@ std::optional<LayeredBsdf::Sample> LayeredBsdf::sample(glm::vec2 u, float choice
         i = sample_base(u);
     } else {
         const glm::vec3 m = VonMisesFisher(bounces_[k].kappa).sample(u);
-        const float o_m = glm::dot(o_, m);
-        if (o_m > 0.0F) i = glm::normalize(2.0F * o_m * m - o_);
+        i = mirrored(o_, m);
+        if (!i) i = mirrored(o_, turned(m));
     }
     if (!i || i->z <= 0.0F) return std::nullopt;
     const Value value = evaluate(*i);

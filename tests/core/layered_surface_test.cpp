@@ -279,10 +279,10 @@ TEST(SceneLights, SphereIsTheIntegralOverItsDirections) {
 TEST(LayeredBsdf, SamplesMeetItsValues) {
     for (const LayerModel model : {LayerModel::Endf, LayerModel::WeidlichWilkie}) {
         for (const bool diffuse : {false, true}) {
-            for (const double kappa : {10.0, 300.0}) {
+            for (const auto& [kappa, cosine] : {std::pair(10.0, 0.7), {300.0, 0.7}, {10.0, 0.1}}) {
                 Material material = coating(kappa, 30.0);
                 material.layer.diffuse = diffuse;
-                const vec3 o = direction(0.7);
+                const vec3 o = direction(cosine);
                 const LayeredSurface layer(material, true, alpha_of(kappa), alpha_of(30.0));
                 const LayeredBsdf bsdf(model, material, layer, o);
                 double drawn = 0.0;
@@ -294,7 +294,8 @@ TEST(LayeredBsdf, SamplesMeetItsValues) {
                 }
                 const double integrated = reference::over_hemisphere(
                     [&](const dvec3& i) { return bsdf.evaluate(vec3(i)).f_cos.g; });
-                EXPECT_NEAR(drawn / integrated, 1.0, 0.01) << int(model) << " " << diffuse << " " << kappa;
+                EXPECT_NEAR(drawn / integrated, 1.0, 0.01)
+                    << int(model) << " " << diffuse << " " << kappa << " " << cosine;
                 EXPECT_LT(integrated, 1.0);
             }
         }
