@@ -49,8 +49,8 @@ def table_2(studio: Studio) -> Figure:
         "their mean and relative to its square. At equal noise, the ratios of both are multiplied. The "
         "paper's time of recursion grows as much with each bounce; ours follows one branch, which stays "
         "inside with the probability of the reflection there, mostly some percent, so that further bounces "
-        "cost little. ENDF's hardly grows in either. At silhouettes, where further bounces keep their light in "
-        "ever wider lobes, ENDF's noise grows with them.")
+        "cost little. ENDF's hardly grows in either. At silhouettes, where further bounces keep their light "
+        "in ever wider lobes, ENDF's noise grows with them.")
     return Figure("endf_table2", "Cost by bounces", caption, _draw(rows), rows)
 
 
