@@ -10,7 +10,7 @@
 // G1 = A3 cos / area within 0.01.
 SHARED float approximate_facing_area(float kappa, float cos_theta) {
     float A3 = 1.0f - spread_from_kappa(kappa);
-    float cos2 = cos_theta * cos_theta;
+    float cos2 = min(cos_theta * cos_theta, 1.0f);  // of unit vectors it may be more by rounding
     float across = A3 / kappa;
     float along = max(1.0f - 2.0f * across - A3 * A3, 0.0f);
     float deviation = sqrt((1.0f - cos2) * across + cos2 * along);
