@@ -246,13 +246,26 @@ bool MaterialCache::update(const std::vector<Material>& materials, const Texture
     }
     if (data.empty()) return false;
     buffer_ = gl::make_buffer(data.size() * sizeof(MaterialData), data.data());
-    has_thin_layers_ = std::any_of(materials.begin(), materials.end(), [](const Material& material) {
-        return material.kind != MaterialKind::Solid;
-    });
-    if (has_thin_layers_) layers_ = gl::make_buffer(layers.size() * sizeof(LayerData), layers.data());
+    is_thin_.clear();
+    for (const Material& material : materials) is_thin_.push_back(material.kind != MaterialKind::Solid);
+    if (has_thin_layers()) layers_ = gl::make_buffer(layers.size() * sizeof(LayerData), layers.data());
     if (changed) upload_tables();
     scope.check();
     return changed;
+}
+
+bool MaterialCache::has_thin_layers() const {
+    return std::find(is_thin_.begin(), is_thin_.end(), true) != is_thin_.end();
+}
+
+bool MaterialCache::has_thin_layers(const Object& object) const {
+    return std::any_of(object.materials.begin(), object.materials.end(),
+                       [this](int i) { return is_thin_[i]; });
+}
+
+bool MaterialCache::has_solids(const Object& object) const {
+    return !std::all_of(object.materials.begin(), object.materials.end(),
+                        [this](int i) { return is_thin_[i]; });
 }
 
 void MaterialCache::upload_tables() {

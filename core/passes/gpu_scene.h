@@ -97,7 +97,10 @@ class MaterialCache {
     // Whether the tables have changed.
     bool update(const std::vector<Material>& materials, const TextureCache& textures);
     const gl::Buffer& buffer() const { return buffer_; }
-    bool has_thin_layers() const { return has_thin_layers_; }
+    bool has_thin_layers() const;
+    // Whether an object may show some of these materials.
+    bool has_thin_layers(const Object& object) const;
+    bool has_solids(const Object& object) const;
     // Where it has some: of all materials, those parts.
     const gl::Buffer& layers() const { return layers_; }
     const gl::Texture& lobe_tables() const { return lobe_tables_; }
@@ -107,7 +110,7 @@ class MaterialCache {
 
     TableSet tables_;
     gl::Buffer buffer_;
-    bool has_thin_layers_ = false;
+    std::vector<bool> is_thin_;  // by material
     gl::Buffer layers_;
     gl::Texture lobe_tables_;
 };

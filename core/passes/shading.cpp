@@ -147,6 +147,7 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     shader.set("tir", static_cast<int>(tir_of_exits(inputs.settings)));
     shader.set("reflection", inputs.settings.reflection ? 1 : 0);
     for (const ViewObject& item : group.objects) {
+        if (!materials.has_solids(*item.object)) continue;
         begin(target, inputs.view, item.rect);
         shader.set("bound", item.diagonal);
         shader.set("object_rect", glm::vec4(item.rect.begin, item.rect.end));
@@ -168,6 +169,7 @@ void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& tar
     program_->set("group", number);
     program_->set("reflection", inputs.settings.reflection ? 1 : 0);
     for (const ViewObject& item : group.objects) {
+        if (!materials.has_thin_layers(*item.object)) continue;
         begin(target, inputs.view, item.rect);
         gl::draw_full_screen(empty_);
     }
