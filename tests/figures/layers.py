@@ -22,10 +22,10 @@ METHODS = ("opengl", "cpu", "endf", "weidlich_wilkie")
 
 WAYS = (
     "Ground truth follows light from interface to interface by recursive sampling; OpenGL and the CPU draw "
-    "it in real time, without noise; ENDF path traced draws each bounce from one extended distribution of "
-    "normals (Guo et al. 2016); Weidlich and Wilkie's light (2007) stays collimated in the layer and meets "
-    "the base once. Percentages: mean error as a share of the mean light; of each, {noise:.1f} are the noise "
-    "of the truth, of {samples} samples."
+    "it in real time, without noise, OpenGL without what an object reflects of itself; ENDF path traced "
+    "draws each bounce from one extended distribution of normals (Guo et al. 2016); Weidlich and Wilkie's "
+    "light (2007) stays collimated in the layer and meets the base once. Percentages: mean error as a share "
+    "of the mean light; the noise of the truth alone, of {samples} samples, makes {noise:.1f}."
 )
 
 ENLARGED = 8.0
@@ -48,7 +48,7 @@ def figure_14(studio: Studio) -> Figure:
         "A mirror under a clear, rough layer. One rough interface has either the reflection of the layer's "
         "outer side or, without the layer, that of the base, which is too sharp; with light that goes "
         "through the layer and back, the base is as blurred as both sides make it. Roughnesses are of our "
-        "choice, as the paper doesn't say its own. " + _ways(truth))
+        "choice, as the paper doesn't say its own. " + _ways(rows, truth))
     return Figure("endf14", "One interface, or a layer", caption, picture, rows)
 
 
@@ -75,7 +75,7 @@ def figure_15(studio: Studio) -> Figure:
     caption = (
         f"A mirror under a clear layer, {whole.coating.title}. Above, light that has met the base once; in "
         f"the middle, twice (made {ENLARGED:g} times brighter); below, all, with the reflection of the outer "
-        "side. " + _ways(truths[-1]))
+        "side. " + _ways([row for row in rows if row["light"] == "Total"], truths[-1]))
     return Figure("endf15", "Bounce by bounce", caption, picture, rows)
 
 
@@ -96,7 +96,7 @@ def figure_16(studio: Studio) -> Figure:
     caption = (
         "Layers that absorb light on a mirror, with the paper's coefficients (0.2, 0.8, 0.8) and (0.8, 0.8, "
         f"0.2) at a thickness of 0.5, on the {' and the '.join(model.title for model in cases)} in place of "
-        "its kitten and horse. " + _ways(truth) + about(*cases))
+        "its kitten and horse. " + _ways(rows, truth) + about(*cases))
     return Figure("endf16", "Absorption", caption, picture, rows)
 
 
@@ -109,29 +109,36 @@ def figure_17(studio: Studio) -> Figure:
     times = " and ".join(f"{row['ms_a_sample']:.0f} ms by {row['picture']}" for row in rows)
     caption = (
         f"A coated mirror, index of refraction 2, in real time ({times} for a sample; OpenGL on "
-        f"{studio.device}) and path traced ({truth.seconds:.0f} s). " + _ways(truth) + about(model))
+        f"{studio.device}) and path traced ({truth.seconds:.0f} s). " + _ways(rows, truth) + about(model))
     return Figure("endf17", "Real time against path tracing", caption, picture, rows)
 
 
 def figure_18(studio: Studio) -> Figure:
-    """A small picture for each pair of roughnesses."""
-    setting = coatings.model_setting(studio.of_size(max(studio.size // 4, 16)), MODELS["dragon"])
+    """A small picture for each pair of roughnesses; of a sphere, which reflects nothing of itself, only the
+    errors."""
+    dragon = MODELS["dragon"]
+    sphere = Model("sphere", dragon.world, lens=58.0)
+    small = studio.of_size(max(studio.size // 4, 16))
     grids: dict[str, list[np.ndarray]] = {method: [] for method in ("truth", *METHODS)}
-    rows: list[Row] = []
-    for kappa, base_kappa in itertools.product(KAPPAS[::-1], KAPPAS):
-        coated = Coated(setting, Coating(kappa, base_kappa, metal='COPPER'))
-        truth = coated.truth()
-        grids["truth"].append(truth.pixels)
-        for method in METHODS:
-            grids[method].append(coated.picture(method).pixels)
-            rows.append({"method": method, **coated.coating.numbers,
-                         **coatings.errors(grids[method][-1], truth.halves, truth.mask)})
+    rows: dict[Model, list[Row]] = {dragon: [], sphere: []}
+    for model in rows:
+        setting = coatings.model_setting(small, model)
+        for kappa, base_kappa in itertools.product(KAPPAS[::-1], KAPPAS):
+            coated = Coated(setting, Coating(kappa, base_kappa, metal='COPPER'))
+            truth = coated.truth()
+            pictures = {method: coated.picture(method).pixels for method in METHODS}
+            rows[model] += [{"model": setting.name, "method": method, **coated.coating.numbers,
+                             **coatings.errors(pixels, truth.halves, truth.mask)}
+                            for method, pixels in pictures.items()]
+            if model == dragon:
+                for method, pixels in ({"truth": truth.pixels} | pictures).items():
+                    grids[method].append(pixels)
     caption = (
-        f"A copper {setting.name} under a clear layer. From up to down the outer side gets smoother, κ₁ = 1, "
-        "10, 10³, 10⁶; from left to right the base gets rougher, κ₂ = 10⁶, 10³, 10, 1. Lower right: the "
-        "errors of all pairs. (Noise is that of the roughest pair.) " + _ways(truth)
-        + about(MODELS["dragon"]))
-    return Figure("endf18", "Roughnesses of both sides", caption, _draw_grids(grids, rows), rows)
+        f"A copper {dragon.title} under a clear layer. From up to down the outer side gets smoother, κ₁ = 1, "
+        "10, 10³, 10⁶; from left to right the base gets rougher, κ₂ = 10⁶, 10³, 10, 1. Lower right: errors "
+        "on a sphere, which reflects nothing of itself. " + _ways(rows[sphere], truth) + about(dragon))
+    picture = _draw_grids(grids, *rows.values())
+    return Figure("endf18", "Roughnesses of both sides", caption, picture, rows[dragon] + rows[sphere])
 
 
 def _pictures(coated: Coated, methods: Iterable[str]) -> dict[str, Picture]:
@@ -151,19 +158,20 @@ def _show(line: np.ndarray, coated: Coated, truth: Truth, pictures: dict[str, Pi
     return rows
 
 
-def _ways(truth: Truth) -> str:
-    noise = coatings.errors(truth.pixels, truth.halves, truth.mask)["mean_relative_noise"]
+def _ways(rows: list[Row], truth: Truth) -> str:
+    """What a caption has to say of its methods, and of the noise of the truths that rows were measured by."""
+    noise = float(np.mean([row["mean_relative_noise"] for row in rows]))
     return WAYS.format(noise=100.0 * noise, samples=truth.samples)
 
 
-def _draw_grids(grids: dict[str, list[np.ndarray]], rows: list[Row]) -> plt.Figure:
-    """Fig. 18's pictures, and their errors."""
+def _draw_grids(grids: dict[str, list[np.ndarray]], rows: list[Row], of_sphere: list[Row]) -> plt.Figure:
+    """Fig. 18's pictures with their mean errors, and those of the sphere."""
     picture, axes = layout.sheet(2, 3, below=0.25)
     labels = [coatings.power(kappa) for kappa in KAPPAS]
     for ax, (method, pictures) in zip(axes.flat, grids.items()):
-        values = [row["mean_relative_error"] for row in rows if row["method"] == method]
-        error = f": {100.0 * np.mean(values):.1f} % in the mean" if values else ""
-        _show_grid(ax, pictures, TITLES[method] + error)
+        errors = "" if method == "truth" else (
+            f": {_mean_error(rows, method):.1f} %, sphere {_mean_error(of_sphere, method):.1f} %")
+        _show_grid(ax, pictures, TITLES[method] + errors)
     for ax in axes[:, 0]:
         ax.set_yticklabels(labels)
         ax.set_ylabel("κ₁", rotation=0.0, labelpad=0.0)
@@ -172,8 +180,14 @@ def _draw_grids(grids: dict[str, list[np.ndarray]], rows: list[Row]) -> plt.Figu
         ax.set_xlabel("κ₂", labelpad=0.0)
     axes[1, 2].axis('off')
     left = picture.get_size_inches()[0] - layout.PANEL
-    _plot_errors(layout.axes_at(picture, left + 0.45, 0.4, layout.PANEL - 0.55, layout.PANEL - 0.35), rows)
+    _plot_errors(layout.axes_at(picture, left + 0.45, 0.4, layout.PANEL - 0.55, layout.PANEL - 0.35),
+                 of_sphere)
     return picture
+
+
+def _mean_error(rows: list[Row], method: str) -> float:
+    """Over all pairs, in percent."""
+    return 100.0 * float(np.mean([row["mean_relative_error"] for row in rows if row["method"] == method]))
 
 
 def _show_grid(ax: plt.Axes, pictures: list[np.ndarray], title: str) -> None:
@@ -195,9 +209,12 @@ def _plot_errors(ax: plt.Axes, rows: list[Row]) -> None:
     ax.set_yticks(range(len(pairs)), [", ".join(map(coatings.power, pair)) for pair in pairs])
     ax.invert_yaxis()
     ax.set_xscale('log')
-    ax.xaxis.set_major_formatter('{x:g}')
-    ax.xaxis.set_minor_formatter('{x:g}')
-    ax.grid(linewidth=0.3, which='both')
-    ax.tick_params(labelsize=6.0, which='both')
+    marks = (1, 2, 5, 10, 20, 50, 100, 200, 500)
+    ax.set_xticks(marks, [f"{mark}" for mark in marks])
+    ax.set_xticks([], minor=True)
+    ax.set_xlim(min(row["mean_relative_error"] for row in rows) * 80.0,
+                max(row["mean_relative_error"] for row in rows) * 125.0)
+    ax.grid(linewidth=0.3)
+    ax.tick_params(labelsize=6.0)
     ax.set_xlabel("mean error in percent, by κ₁, κ₂", fontsize=7.0)
     ax.legend(frameon=False, fontsize=6.0, ncols=2, loc='lower center', bbox_to_anchor=(0.4, 1.0))
