@@ -16,7 +16,7 @@ layout(location = 0) out vec4 radiance;
 const int SHADED_KIND = KIND_PANE;
 
 #include "lobe_tables.glsl"
-#include "lib/spherical_gaussian.glsl"
+#include "lib/spherical_warping.glsl"
 #include "lib/pane.glsl"
 #include "lib/pane_lookup.glsl"
 

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <glm/gtc/constants.hpp>
 
-#include "core/math/von_mises_fisher.h"
-
 namespace verglas {
 namespace {
 
@@ -93,11 +91,6 @@ glm::vec3 sample_blinn_phong(float alpha, glm::vec2 u) {
     return {sine * std::cos(phi), sine * std::sin(phi), cosine};
 }
 
-// M(m; n, kappa).
-float vmf_density(float kappa, float cosine) {
-    return kappa * std::exp(kappa * (cosine - 1.0F)) / (2.0F * pi * (1.0F - std::exp(-2.0F * kappa)));
-}
-
 float mean_resultant_length(float kappa) { return 1.0F - model::spread_from_kappa(kappa); }
 
 // exp(-x) I0(x), x >= 0 (Abramowitz and Stegun, 9.8.1 and 9.8.2).
@@ -136,20 +129,7 @@ double integrated_facing_area(double kappa, double theta_o) {
     return sum * step * kappa / (1.0 - std::exp(-2.0 * kappa));
 }
 
-// The same were o.m distributed normally, with the mean and the variance that it has.
-float normal_facing_area(float kappa, float cosine) {
-    const float A3 = mean_resultant_length(kappa);
-    const float along = std::max(1.0F - A3 * A3 - 2.0F * A3 / kappa, 0.0F);
-    const float cos2 = cosine * cosine;
-    const float deviation = std::sqrt((1.0F - cos2) * A3 / kappa + cos2 * along);
-    const float mean = A3 * cosine;
-    const float z = mean / std::max(deviation, 1e-12F);
-    if (z > 6.0F) return mean;
-    return mean * 0.5F * std::erfc(-z / std::sqrt(2.0F)) +
-           deviation * std::exp(-0.5F * z * z) / std::sqrt(2.0F * pi);
-}
-
-// The ratio of the two, which is smooth, and 1 for sharp distributions.
+// The ratio of that to the closed form, which is smooth, and 1 for sharp distributions.
 class FacingAreaRatios {
   public:
     FacingAreaRatios() {
@@ -158,7 +138,7 @@ class FacingAreaRatios {
             for (int i = 0; i < angles; ++i) {
                 const double theta = 0.5 * glm::pi<double>() * i / (angles - 1);
                 const float approximation =
-                    normal_facing_area(static_cast<float>(kappa), float(std::cos(theta)));
+                    model::approximate_facing_area(static_cast<float>(kappa), float(std::cos(theta)));
                 ratios_[j * angles + i] =
                     static_cast<float>(integrated_facing_area(kappa, theta)) / approximation;
             }
@@ -188,8 +168,11 @@ class FacingAreaRatios {
 }  // namespace
 
 float vmf_facing_area(float kappa, float cos_theta) {
+    const float area = model::approximate_facing_area(kappa, cos_theta);
+    // As good as no facet looks away: then it is the mean of o.m.
+    if (area <= mean_resultant_length(kappa) * cos_theta) return area;
     static const FacingAreaRatios ratios;
-    return ratios.at(kappa, cos_theta) * normal_facing_area(kappa, cos_theta);
+    return ratios.at(kappa, cos_theta) * area;
 }
 
 FacetNormals FacetNormals::von_mises_fisher(float alpha) {
@@ -197,8 +180,7 @@ FacetNormals FacetNormals::von_mises_fisher(float alpha) {
 }
 
 float FacetNormals::density(float cos_theta_m) const {
-    if (kind_ == Kind::VonMisesFisher)
-        return vmf_density(kappa(), cos_theta_m) / mean_resultant_length(kappa());
+    if (kind_ == Kind::VonMisesFisher) return vmf_.density(cos_theta_m) / mean_resultant_length(kappa());
     if (cos_theta_m <= 0.0F) return 0.0F;
     const float alpha2 = alpha_ * alpha_;
     const float cos2 = cos_theta_m * cos_theta_m;
@@ -224,11 +206,11 @@ glm::vec3 FacetNormals::sample(const glm::vec3& o, glm::vec2 u) const {
         case Kind::VonMisesFisher:
             break;
     }
-    return sample_vmf(kappa(), u);
+    return vmf_.sample(u);
 }
 
 float FacetNormals::pdf(const glm::vec3& o, const glm::vec3& m) const {
-    if (kind_ == Kind::VonMisesFisher) return vmf_density(kappa(), m.z);
+    if (kind_ == Kind::VonMisesFisher) return vmf_.density(m.z);
     const float D = density(m.z);
     if (kind_ == Kind::BlinnPhong) return D * m.z;
     return exact_masking(static_cast<Ndf>(kind_), alpha_, o.z) * std::max(glm::dot(o, m), 0.0F) * D / o.z;

@@ -6,13 +6,14 @@
 #include <glm/glm.hpp>
 
 #include "core/material/lobe_tables.h"
+#include "core/math/von_mises_fisher.h"
 
 namespace verglas {
 
 class FacetNormals {
   public:
     // The heightfields of Walter et al. 2007; alpha > 0.
-    FacetNormals(Ndf ndf, float alpha) : kind_(static_cast<Kind>(ndf)), alpha_(alpha) {}
+    FacetNormals(Ndf ndf, float alpha) : FacetNormals(static_cast<Kind>(ndf), alpha) {}
     // vMF normals D(m) = M(m; n, kappa) / A3(kappa) with kappa = 2 / alpha^2 (the ENDF paper, eq. 6), alpha
     // up to max_vmf_alpha. They are of a surface with overhangs: some look down, for all of the sphere.
     static FacetNormals von_mises_fisher(float alpha);
@@ -33,7 +34,7 @@ class FacetNormals {
     float weight(const glm::vec3& o, const glm::vec3& m, const glm::vec3& i) const;
 
     // Concentration of about such a vMF distribution.
-    float kappa() const { return 2.0F / (alpha_ * alpha_); }
+    float kappa() const { return vmf_.kappa(); }
 
   private:
     enum class Kind {
@@ -42,10 +43,11 @@ class FacetNormals {
         BlinnPhong = model::NDF_BLINN_PHONG,
         VonMisesFisher,
     };
-    FacetNormals(Kind kind, float alpha) : kind_(kind), alpha_(alpha) {}
+    FacetNormals(Kind kind, float alpha) : kind_(kind), alpha_(alpha), vmf_(2.0F / (alpha * alpha)) {}
 
     Kind kind_;
     float alpha_;
+    VonMisesFisher vmf_;
 };
 
 // The integral of <o,m> M(m; n, kappa) over all directions m, at o.n = cos_theta >= 0: the area of vMF facets

@@ -16,38 +16,31 @@ std::optional<glm::vec3> bent(const glm::vec3& up, float eta) {
     return glm::vec3(up.x / eta, up.y / eta, std::sqrt(cos2));
 }
 
-// d(m)/d(t) of a refraction by a facet in the surface (the ENDF paper, eq. 13), at these cosines before and
-// behind.
-float refraction_jacobian(float eta, float before, float behind) {
-    const float denominator = before - eta * behind;
-    return eta * eta * behind / std::max(denominator * denominator, 1e-12F);
+// Where a facet mirrors o to; none below the surface.
+std::optional<glm::vec3> mirrored(const glm::vec3& o, const glm::vec3& m) {
+    const float o_m = glm::dot(o, m);
+    const glm::vec3 i = 2.0F * o_m * m - o;
+    return o_m > 0.0F && i.z > 0.0F ? std::optional(glm::normalize(i)) : std::nullopt;
 }
 
-// Spherical convolution: A3^-1(A3(a) A3(b)), by 1 - A3 so that sharp distributions keep their precision.
-float convolved(float a, float b) {
-    const float x = model::spread_from_kappa(a);
-    const float y = model::spread_from_kappa(b);
-    return model::kappa_from_spread(x + y - x * y);
-}
+glm::vec3 turned(const glm::vec3& m) { return {-m.x, -m.y, m.z}; }
 
 float mean_of(const glm::vec3& v) { return (v.r + v.g + v.b) / 3.0F; }
 
 }  // namespace
 
-LayeredBsdf::LayeredBsdf(LayerModel model, const Material& material, float alpha, float base_alpha,
+LayeredBsdf::LayeredBsdf(LayerModel model, const Material& material, const LayeredSurface& layer,
                          const glm::vec3& o)
-    : model_(model),
-      material_(material),
+    : material_(material),
+      layer_(layer),
+      is_endf_(model == LayerModel::Endf && !material.layer.diffuse),
+      eta_(layer.eta()),
       o_(o),
-      layer_(material, true, alpha, base_alpha),
-      normals_(FacetNormals::von_mises_fisher(alpha)),
-      base_normals_(FacetNormals::von_mises_fisher(base_alpha)),
-      eta_(layer_.eta()),
-      t_(bent(o, eta_).value_or(glm::vec3(0.0F))) {
-    bounces_[0].energy =
-        material.reflection_color * (material.fresnel ? model::fresnel_dielectric(o.z, eta_) : 0.0F);
-    if (t_.z > 0.0F) {
-        if (model_ == LayerModel::Endf && !material.layer.diffuse)
+      t_(bent(o, eta_).value_or(glm::vec3(0.0F))),
+      facing_area_(vmf_facing_area(normals().kappa(), o.z)) {
+    bounces_[0] = {material.reflection_color * fresnel(o.z), layer.outside().normals().kappa()};
+    if (t_.z > 0.0F && material.layer.bounces > 0) {
+        if (is_endf_)
             add_endf_bounces();
         else
             add_base_bounce();
@@ -58,65 +51,75 @@ LayeredBsdf::LayeredBsdf(LayerModel model, const Material& material, float alpha
         bounces_[k].probability = sum > 0.0F ? mean_of(bounces_[k].energy) / sum : 0.0F;
 }
 
+float LayeredBsdf::fresnel(float cos_theta) const {
+    return material_.fresnel ? model::fresnel_dielectric(cos_theta, eta_) : 0.0F;
+}
+
 // The NDF tree of each bounce (the ENDF paper, Fig. 12), and the energy at the lobes' mean directions, all of
 // which are those of reflection and refraction by n. Visible facets cancel the masking of what an interface
 // sends to the viewer; that of what comes to it stays.
 void LayeredBsdf::add_endf_bounces() {
     const float cos_t = t_.z;
-    const float F = material_.fresnel ? model::fresnel_dielectric(o_.z, eta_) : 0.0F;
-    const float kappa_out = normals_.kappa() * refraction_jacobian(1.0F / eta_, cos_t, o_.z);
-    const float spread_out = o_.z / (eta_ * eta_ * cos_t);  // d(o)/d(t), eq. 21
-    const glm::vec3 left = layer_.transmittance(cos_t) * layer_.transmittance(cos_t);
-    const glm::vec3 at_base = layer_.base().fresnel(cos_t) * (base_normals_.masking(cos_t) * left);
-    glm::vec3 energy = material_.color * material_.color * ((1.0F - F) * normals_.masking(cos_t));
-    float kappa = normals_.kappa() * refraction_jacobian(eta_, o_.z, cos_t);
+    const float F = fresnel(o_.z);
+    const float base_spread = model::spread_from_kappa(base_normals().kappa() / (4.0F * cos_t));
+    const float inner_spread = model::spread_from_kappa(normals().kappa() / (4.0F * cos_t));
+    const float exit_spread =
+        model::spread_from_kappa(normals().kappa() * model::facet_jacobian(1.0F / eta_, cos_t, o_.z));
+    const float masking = normals().masking(cos_t);
+    const glm::vec3 left = layer_.transmittance(cos_t);
+    const glm::vec3 at_base = layer_.base().fresnel(cos_t) * (base_normals().masking(cos_t) * left * left);
+    glm::vec3 energy = material_.color * material_.color * ((1.0F - F) * masking);
+    float spread = model::spread_from_kappa(normals().kappa() * model::facet_jacobian(eta_, o_.z, cos_t));
     const int bounces = std::min(material_.layer.bounces, Layer::max_bounces);
     for (int k = 1; k <= bounces; ++k) {
         energy *= at_base;
-        kappa = convolved(base_normals_.kappa() / (4.0F * cos_t), kappa);
-        const float exit_kappa = convolved(kappa_out, spread_out * kappa);
-        bounces_[count_++] = {energy * (1.0F - F), 4.0F * o_.z * exit_kappa};  // eq. 19
-        energy *= F * normals_.masking(cos_t);
-        kappa = convolved(normals_.kappa() / (4.0F * cos_t), kappa);
+        spread = model::convolved_spread(base_spread, spread);
+        const float kappa =
+            model::kappa_from_spread(model::warped_spread(spread, exit_spread, 1.0F / eta_, cos_t, o_.z));
+        bounces_[count_++] = {energy * (1.0F - F), std::max(4.0F * o_.z * kappa, 1.0F)};  // eq. 19
+        energy *= F * masking;
+        spread = model::convolved_spread(inner_spread, spread);
     }
 }
 
 void LayeredBsdf::add_base_bounce() {
-    const float F = material_.fresnel ? model::fresnel_dielectric(o_.z, eta_) : 0.0F;
-    const glm::vec3 left = layer_.transmittance(t_.z) * layer_.transmittance(t_.z);
-    bounces_[count_++] = {material_.color * material_.color * (1.0F - F) * layer_.base().fresnel(t_.z) * left,
-                          base_normals_.kappa()};
+    const glm::vec3 left = layer_.transmittance(t_.z);
+    bounces_[count_++] = {material_.color * material_.color * (1.0F - fresnel(o_.z)) *
+                              layer_.base().fresnel(t_.z) * left * left,
+                          base_normals().kappa()};
 }
 
 // Light that is refracted by n, meets the base once, and is refracted by n.
 glm::vec3 LayeredBsdf::base_value(const glm::vec3& i, float& pdf) const {
     const glm::vec3 t = *bent(i, eta_);
     const CoatingBase::Value value = layer_.base().evaluate(t_, t);
-    const float solid_angle = i.z / (eta_ * eta_ * t.z);  // of t to i
+    const float solid_angle = model::beam_jacobian(1.0F / eta_, t.z, i.z);  // of t to i
     pdf = value.pdf * solid_angle;
-    const float T = material_.fresnel ? (1.0F - model::fresnel_dielectric(o_.z, eta_)) *
-                                            (1.0F - model::fresnel_dielectric(i.z, eta_))
-                                      : 1.0F;
+    const float T = (1.0F - fresnel(o_.z)) * (1.0F - fresnel(i.z));
     return value.f_cos * (T * solid_angle) * layer_.transmittance(t_.z) * layer_.transmittance(t.z) *
            material_.color * material_.color;
 }
 
+// Light that facets of vMF normals mirror to the viewer is their density times F o.m / (their area that faces
+// the viewer), and the masking of i.
 LayeredBsdf::Value LayeredBsdf::evaluate(const glm::vec3& i) const {
     if (o_.z <= 0.0F || i.z <= 0.0F) return {};
     const glm::vec3 m = glm::normalize(o_ + i);
-    const float o_m = glm::dot(o_, m);
+    const float o_m = std::min(glm::dot(o_, m), 1.0F);
     const float by_m = 1.0F / (4.0F * o_m);  // d(m)/d(i), eq. 12
-    const RoughInterface::Value surface = layer_.outside().evaluate(o_, i);
-    Value value{surface.f_cos * material_.reflection_color,
-                bounces_[0].probability * normals_.pdf(o_, m) * by_m};
-    const float masking = normals_.masking(i.z);
+    const float masking = normals().masking(i.z);
+    // sample() turns normals that mirror o below the surface: those opposite are drawn twice as often.
+    const float drawn = mirrored(o_, turned(m)) ? 1.0F : 2.0F;
+    const float surface_density = normals().pdf(o_, m) * by_m;
+    Value value{material_.reflection_color * (fresnel(o_m) * o_m / facing_area_ * masking * surface_density),
+                bounces_[0].probability * drawn * surface_density};
     for (int k = 1; k < count_; ++k) {
         const Bounce& bounce = bounces_[k];
         float pdf = 0.0F;
-        if (model_ == LayerModel::Endf && !material_.layer.diffuse) {
-            const float alpha = std::sqrt(2.0F / bounce.kappa);
-            pdf = FacetNormals::von_mises_fisher(alpha).pdf(o_, m) * by_m;
-            value.f_cos += bounce.energy * (masking * pdf);
+        if (is_endf_) {
+            const float density = VonMisesFisher(bounce.kappa).density(m.z) * by_m;
+            value.f_cos += bounce.energy * (masking * density);
+            pdf = drawn * density;
         } else {
             value.f_cos += base_value(i, pdf);
         }
@@ -134,14 +137,12 @@ std::optional<LayeredBsdf::Sample> LayeredBsdf::sample(glm::vec2 u, float choice
     int k = 0;
     while (k + 1 < count_ && choice >= bounces_[k].probability) choice -= bounces_[k++].probability;
     std::optional<glm::vec3> i;
-    if (k > 0 && (model_ != LayerModel::Endf || material_.layer.diffuse)) {
+    if (k > 0 && !is_endf_) {
         i = sample_base(u);
     } else {
-        const FacetNormals normals =
-            k == 0 ? normals_ : FacetNormals::von_mises_fisher(std::sqrt(2.0F / bounces_[k].kappa));
-        const glm::vec3 m = normals.sample(o_, u);
-        const float o_m = glm::dot(o_, m);
-        if (o_m > 0.0F) i = glm::normalize(2.0F * o_m * m - o_);
+        const glm::vec3 m = VonMisesFisher(bounces_[k].kappa).sample(u);
+        i = mirrored(o_, m);
+        if (!i) i = mirrored(o_, turned(m));
     }
     if (!i || i->z <= 0.0F) return std::nullopt;
     const Value value = evaluate(*i);
@@ -154,9 +155,9 @@ RoughInterface::Lobe LayeredBsdf::lobe() const {
     for (int k = 1; k < count_; ++k) {
         if (bounces_[k].probability > bounces_[most].probability) most = k;
     }
-    const float kappa = most == 0 ? normals_.kappa() : bounces_[most].kappa;
     const bool is_diffuse = most > 0 && material_.layer.diffuse;
-    return {glm::vec3(-o_.x, -o_.y, o_.z), is_diffuse ? 0.0F : kappa / (4.0F * std::max(o_.z, 1e-3F))};
+    return {glm::vec3(-o_.x, -o_.y, o_.z),
+            is_diffuse ? 0.0F : bounces_[most].kappa / (4.0F * std::max(o_.z, 1e-3F))};
 }
 
 }  // namespace verglas

@@ -20,10 +20,8 @@ enum class LayerModel {
 
 class LayeredBsdf {
   public:
-    // model: not Recursive. alpha, base_alpha: of the material's roughness and its layer's. material must
-    // outlive this.
-    LayeredBsdf(LayerModel model, const Material& material, float alpha, float base_alpha,
-                const glm::vec3& o);
+    // model: not Recursive. layer: of the material, which must both outlive this.
+    LayeredBsdf(LayerModel model, const Material& material, const LayeredSurface& layer, const glm::vec3& o);
 
     struct Value {
         glm::vec3 f_cos{0.0F};  // f(o, i) |i.n|
@@ -46,23 +44,25 @@ class LayeredBsdf {
     // Light that has met the base so often: none is the reflection by the surface.
     struct Bounce {
         glm::vec3 energy{0.0F};  // without the masking of i
-        float kappa = 0.0F;      // of the ENDF
+        float kappa = 0.0F;      // of the surface's normals or the ENDF
         float probability = 0.0F;
     };
 
+    const FacetNormals& normals() const { return layer_.outside().normals(); }
+    const FacetNormals& base_normals() const { return layer_.base().normals(); }
+    float fresnel(float cos_theta) const;  // of the surface, from outside
     void add_endf_bounces();
     void add_base_bounce();
     glm::vec3 base_value(const glm::vec3& i, float& pdf) const;
     std::optional<glm::vec3> sample_base(glm::vec2 u) const;
 
-    LayerModel model_;
     const Material& material_;
-    glm::vec3 o_;
-    LayeredSurface layer_;
-    FacetNormals normals_;
-    FacetNormals base_normals_;
+    const LayeredSurface& layer_;
+    bool is_endf_;  // else the base is met as Weidlich and Wilkie have it, as a diffuse one always is
     float eta_;
-    glm::vec3 t_;  // o, refracted, and turned so that it shows up from the base
+    glm::vec3 o_;
+    glm::vec3 t_;        // o, refracted, and turned so that it shows up from the base
+    float facing_area_;  // of the surface's facets, toward o
     std::array<Bounce, Layer::max_bounces + 1> bounces_;
     int count_ = 1;
 };

@@ -37,6 +37,8 @@ class CoatingBase {
     // 1/7, it is edge_tint times his (Kutz, Hasan and Edmondson 2021).
     glm::vec3 fresnel(float cos_theta) const;
 
+    const FacetNormals& normals() const { return normals_; }
+
   private:
     const Layer& layer_;
     FacetNormals normals_;

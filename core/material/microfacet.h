@@ -54,6 +54,8 @@ class RoughInterface {
     };
     Lobe lobe(const glm::vec3& o, bool reflected) const;
 
+    const FacetNormals& normals() const { return normals_; }
+
   private:
     std::optional<glm::vec3> direction(const glm::vec3& o, const glm::vec3& m, Event event) const;
     float fresnel(float o_m) const;

@@ -16,6 +16,8 @@ namespace verglas::model {
 #include "shaders/lib/lobe.glsl"
 #include "shaders/lib/bundle.glsl"
 #include "shaders/lib/local_light.glsl"
+#include "shaders/lib/vmf_masking.glsl"
+#include "shaders/lib/spherical_warping.glsl"
 #include "shaders/lib/pane.glsl"
 #include "shaders/lib/coated.glsl"
 #include "shaders/lib/specular.glsl"

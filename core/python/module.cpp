@@ -221,6 +221,38 @@ py::array_t<float> channels(const py::object& self, const Unfilled<glm::vec4>& p
                               data, self);
 }
 
+// A beam on facets of vMF normals about n = +Z, as the functions of shaders/lib/spherical_warping.glsl take
+// it.
+struct BeamOnFacets {
+    float kappa_o;
+    float kappa_m;
+    float cos_o;
+    std::optional<float> eta;  // of a refraction; none reflects
+    float cos_t;
+
+    BeamOnFacets(float kappa_o_, float kappa_m_, float cos_theta_o, std::optional<float> eta_)
+        : kappa_o(kappa_o_), kappa_m(kappa_m_), cos_o(cos_theta_o), eta(eta_) {
+        if (!(kappa_o > 0.0F && kappa_m > 0.0F)) throw Error("A concentration must be greater than 0.");
+        if (!(cos_o > 0.0F && cos_o <= 1.0F)) throw Error("A cosine must lie between 0 and 1.");
+        const float index = eta.value_or(1.0F);
+        if (!(index > 0.0F)) throw Error("A relative index of refraction must be greater than 0.");
+        if (!(cos_o > model::critical_cosine(index))) throw Error("A beam must not be totally reflected.");
+        cos_t = std::sqrt(1.0F - (1.0F - cos_o * cos_o) / (index * index));
+    }
+
+    model::Lobe warped() const {
+        const glm::vec3 n(0.0F, 0.0F, 1.0F);
+        const glm::vec3 d(-std::sqrt(1.0F - cos_o * cos_o), 0.0F, -cos_o);
+        const model::Lobe beam{1.0F, model::spread_from_kappa(kappa_o), d};
+        return eta ? model::refracted_beam(beam, *eta, kappa_m, n) : model::reflected_beam(beam, kappa_m, n);
+    }
+
+    float kappa_by_jacobians() const {
+        return eta ? model::refracted_kappa(kappa_o, kappa_m, *eta, cos_o, cos_t)
+                   : model::reflected_kappa(kappa_o, kappa_m, cos_o);
+    }
+};
+
 void bind_material_model(py::module_& module) {
     module.def(
         "interface_lobe",
@@ -233,6 +265,29 @@ void bind_material_model(py::module_& module) {
             return std::tuple(lobe.energy, model::kappa_from_spread(lobe.spread), std::array{p.x, p.y, p.z});
         },
         py::arg("ndf"), py::arg("roughness"), py::arg("eta"), py::arg("cos_theta_o"), py::arg("event"));
+    module.def(
+        "warped_beam",
+        [](float kappa_o, float kappa_m, float cos_theta_o, std::optional<float> eta) {
+            const model::Lobe lobe = BeamOnFacets(kappa_o, kappa_m, cos_theta_o, eta).warped();
+            const glm::vec3& p = lobe.direction;
+            return std::tuple(model::kappa_from_spread(lobe.spread), std::array{p.x, p.y, p.z});
+        },
+        py::arg("kappa_o"), py::arg("kappa_m"), py::arg("cos_theta_o"), py::arg("eta") = py::none());
+    module.def(
+        "kappa_by_jacobians",
+        [](float kappa_o, float kappa_m, float cos_theta_o, std::optional<float> eta) {
+            return BeamOnFacets(kappa_o, kappa_m, cos_theta_o, eta).kappa_by_jacobians();
+        },
+        py::arg("kappa_o"), py::arg("kappa_m"), py::arg("cos_theta_o"), py::arg("eta") = py::none());
+    module.def(
+        "vmf_facing_area",
+        [](float kappa, float cos_theta_o) {
+            if (!(kappa > 0.0F)) throw Error("A concentration must be greater than 0.");
+            if (!(cos_theta_o >= 0.0F && cos_theta_o <= 1.0F))
+                throw Error("A cosine must lie between 0 and 1.");
+            return model::approximate_facing_area(kappa, cos_theta_o);
+        },
+        py::arg("kappa"), py::arg("cos_theta_o"));
 }
 
 void bind_scene(py::module_& module) {

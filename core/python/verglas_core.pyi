@@ -28,6 +28,23 @@ def interface_lobe(
     event: 'REFRACT' (weighted with 1 - F), 'REFRACT_WITHOUT_FRESNEL' or 'REFLECT'. Beyond the critical angle a
     refraction keeps what the rough interface lets through. Raises Error for values out of range."""
 
+def warped_beam(
+    kappa_o: float, kappa_m: float, cos_theta_o: float, eta: float | None = None
+) -> tuple[float, tuple[float, float, float]]:
+    """The spherical Gaussian that a beam of directions o becomes at facets of normals m, both of von Mises-Fisher
+    distributions of these concentrations: its concentration and its unit axis, in the frame of interface_lobe, by
+    moments, without Fresnel's factor and masking. eta: n_behind / n_before of a refraction; None reflects. cos_theta_o:
+    between the mean directions, 0 … 1 and above the critical angle's. Raises Error for values out of range."""
+
+def kappa_by_jacobians(
+    kappa_o: float, kappa_m: float, cos_theta_o: float, eta: float | None = None
+) -> float:
+    """The concentration that the ENDF paper has for it (Guo et al. 2016, eqs. 18 and 21)."""
+
+def vmf_facing_area(kappa: float, cos_theta_o: float) -> float:
+    """The integral of <o,m> over normals m of a von Mises-Fisher distribution (Guo et al. 2016, eq. 7), in closed
+    form, within 0.008. kappa: above 0. cos_theta_o: 0 … 1. Raises Error for values out of range."""
+
 class Mesh:
     """Triangles with normals. Immutable; give the same Mesh again and it isn't uploaded again.
 

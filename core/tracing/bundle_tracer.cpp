@@ -377,7 +377,8 @@ void BundleTracer::draw_lobe(const Meeting& meeting, const Branch& branch, Beam 
     }
     const float kappa = std::max(model::kappa_from_spread(branch.lobe.spread), 1e-3F);
     const glm::vec3 d =
-        on_side(frame_of(branch.lobe.direction) * sample_vmf(kappa, point.pair(first)), meeting.side(branch));
+        on_side(frame_of(branch.lobe.direction) * VonMisesFisher(kappa).sample(point.pair(first)),
+                meeting.side(branch));
     look_between(meeting, branch, d, outgoing);
     next.beams.push_back(outgoing);
     send(meeting, branch, d, next);

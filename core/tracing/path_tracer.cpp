@@ -406,8 +406,7 @@ bool PathTracer::Paths::meet_layer(Path& path, const Hit& hit, const SobolPoint&
                       material.reflection_color};
     std::optional<LayeredBsdf> bsdf;
     if (material.kind == MaterialKind::Coated && settings_.layers != LayerModel::Recursive) {
-        bsdf.emplace(settings_.layers, material, facet_alpha(roughness_at(material, hit)),
-                     facet_alpha(inner_roughness_at(material, hit)), crossing.o);
+        bsdf.emplace(settings_.layers, material, layer, crossing.o);
         crossing.bsdf = &*bsdf;
     }
     int bounces = 0;

@@ -37,11 +37,3 @@ struct PaneLobes {
     Fan trapped;          // the same, after reflections between them
     Fan reflected;        // by the far side
 };
-
-// Spread of a lobe that has met a rough interface, whose own lobe about its mean direction has the spread `own` (ENDF
-// eq. 21). eta: n_behind / n_before; cosines to the normal, of the mean directions before and behind.
-SHARED float warped_spread(float incident, float own, float eta, float cos_i, float cos_t) {
-    float jacobian = eta * eta * abs(cos_t) / max(abs(cos_i), 1e-4f);
-    float warped = spread_from_kappa(jacobian * kappa_from_spread(incident));
-    return warped + own - warped * own;
-}

@@ -32,8 +32,8 @@ SHARED Fan fanned_out(Pane pane, float roughness, Lobe lobe, vec3 n, float facto
         vec3 ray = fan_ray(lobe, n, i);
         Lobe out_lobe = refracted_lobe(pane.leaving, eta, roughness, ray, n, TIR_NONE);
         out_lobe.energy *= factor * lobe.energy / float(FAN_RAYS);
-        out_lobe.spread = warped_spread(FAN_LEFT * lobe.spread, out_lobe.spread, eta, dot(ray, n),
-                                        dot(out_lobe.direction, n));
+        out_lobe.spread = warped_spread(FAN_LEFT * lobe.spread, out_lobe.spread, eta, abs(dot(ray, n)),
+                                        abs(dot(out_lobe.direction, n)));
         fan.lobes[i] = out_lobe;
     }
     return fan;

@@ -29,6 +29,11 @@ class Plan:
     cycles_samples: tuple[int, int]
     """A sample's time is the difference of two renders, by that of their samples."""
     with_eevee: bool
+    bounces: tuple[int, ...]
+    """in a coating's layer, which are path traced"""
+    bounce_samples: int
+    bounce_seeds: int
+    """pictures of so many samples, whose variance is their noise"""
     viewport_size: Size
     viewport_seconds: float
     """How long the view is turned."""
@@ -44,6 +49,7 @@ FULL = Plan(
     moving_edge=289,  # 1M triangles
     ndfs=('BECKMANN', 'GGX', 'BLINN_PHONG'), map_widths=(1024, 2048, 4096),
     engine_size=(512, 512), reference_samples=32, cycles_samples=(4, 36), with_eevee=True,
+    bounces=(1, 2, 3, 4), bounce_samples=4, bounce_seeds=4,
     viewport_size=(960, 540), viewport_seconds=5.0, viewport_changes=7)
 
 QUICK = Plan(
@@ -52,5 +58,6 @@ QUICK = Plan(
     pixel_sizes=((32, 32), (128, 128)), ball_edges=(4, 16), moving_edge=4,
     ndfs=('BECKMANN',), map_widths=(64,),
     engine_size=(64, 64), reference_samples=2, cycles_samples=(1, 65), with_eevee=False,
+    bounces=(1, 4), bounce_samples=1, bounce_seeds=2,
     viewport_size=(640, 432), viewport_seconds=1.0, viewport_changes=1)
 """Only to see that all works."""

@@ -28,7 +28,7 @@ def parse_arguments(arguments: list[str]) -> argparse.Namespace:
 
 def measure(quick: bool, progress) -> dict:
     """What bench.json holds."""
-    from bench import engines, machine, navigation, preparation, scaling, summary, updates
+    from bench import engines, layers, machine, navigation, preparation, scaling, summary, updates
     from bench.plan import FULL, QUICK
 
     plan = QUICK if quick else FULL
@@ -44,6 +44,7 @@ def measure(quick: bool, progress) -> dict:
         "preparation": preparation.steps(plan, progress),
         "engines": engines.engines(plan, progress, notes),
         "refraction": engines.refraction(plan, progress, notes),
+        "bounces": layers.bounces(plan, progress),
         "navigation": navigation.rows(plan, progress, notes),
         "notes": notes,
     }

@@ -42,6 +42,10 @@ def ratios(results: dict[str, list[Row]]) -> dict[str, float]:
     uniform, *varying = results["roughness"]
     for row in varying:
         result[f"{row['roughness']} / uniform roughness"] = row["frame_ms"] / uniform["frame_ms"]
+    for row in results["bounces"]:
+        for kind in ("samples", "noise"):
+            name = f"recursive / ENDF at equal {kind}, {row['bounces']} bounces"
+            result[name] = row[f"speedup_at_equal_{kind}"]
     return result
 
 

@@ -112,3 +112,36 @@ SHARED Answer normal_of_bump(Question question) {
 SHARED Answer normal_that_mirrors(Question question) {
     return answer_of_normal(mirroring_normal(vec3(question.a), vec3(question.b), vec3(question.c)));
 }
+
+// a: d, kappa_o. b: n, kappa_m. c: eta of a refraction, 0 for reflection. Answer: as answer_of_lobe, then the
+// concentration by the paper's Jacobians.
+SHARED Answer warped_beam(Question question) {
+    vec3 d = vec3(question.a);
+    vec3 n = vec3(question.b);
+    float kappa_o = question.a.w;
+    float kappa_m = question.b.w;
+    float eta = question.c.x;
+    float cos_o = -dot(d, n);
+    Lobe beam;
+    beam.energy = 1.0f;
+    beam.spread = spread_from_kappa(kappa_o);
+    beam.direction = d;
+    Answer answer;
+    if (eta > 0.0f) {
+        float cos_t = sqrt(1.0f - (1.0f - cos_o * cos_o) / (eta * eta));
+        answer = answer_of_lobe(refracted_beam(beam, eta, kappa_m, n));
+        answer.b.y = refracted_kappa(kappa_o, kappa_m, eta, cos_o, cos_t);
+    } else {
+        answer = answer_of_lobe(reflected_beam(beam, kappa_m, n));
+        answer.b.y = reflected_kappa(kappa_o, kappa_m, cos_o);
+    }
+    return answer;
+}
+
+// a: kappa, cosine. Answer: approximate_facing_area.
+SHARED Answer facing_area(Question question) {
+    Answer answer;
+    answer.a = vec4(approximate_facing_area(question.a.x, question.a.y), 0.0f, 0.0f, 0.0f);
+    answer.b = vec4(0.0f);
+    return answer;
+}

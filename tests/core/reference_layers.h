@@ -20,6 +20,16 @@ inline double vmf(double kappa, double cosine) {
            std::exp(kappa * (cosine - 1.0));
 }
 
+// A direction about +Z of this distribution.
+inline dvec3 draw_vmf(std::mt19937_64& random, double kappa) {
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    const double e = std::exp(-2.0 * kappa);
+    const double w = -std::log(e + (1.0 - unit(random)) * (1.0 - e)) / kappa;  // 1 - cosine
+    const double phi = 2.0 * glm::pi<double>() * unit(random);
+    const double sine = std::sqrt(w * (2.0 - w));
+    return {sine * std::cos(phi), sine * std::sin(phi), 1.0 - w};
+}
+
 // Integral of a function of unit vectors over a cone of directions with this cosine at its edge.
 template <typename Function>
 double over_cone(const dvec3& axis, double edge, const Function& f) {
@@ -126,11 +136,7 @@ inline double coated_albedo(double kappa, double base_kappa, double eta, int bou
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     const auto visible = [&](const dvec3& o, double k) {
         for (;;) {
-            const double e = std::exp(-2.0 * k);
-            const double w = -std::log(e + (1.0 - unit(random)) * (1.0 - e)) / k;
-            const double phi = 2.0 * glm::pi<double>() * unit(random);
-            const double sine = std::sqrt(w * (2.0 - w));
-            const dvec3 m(sine * std::cos(phi), sine * std::sin(phi), 1.0 - w);
+            const dvec3 m = draw_vmf(random, k);
             const double o_m = glm::dot(o, m);
             if (o_m > 0.0 && unit(random) < o_m) return m;
         }

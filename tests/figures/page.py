@@ -7,19 +7,13 @@ from pathlib import Path
 
 from verglas.compare import pages
 
+from .figure import label
+
 NOT_YET = {
     "Rough refraction, Fig. 16":
         "the slab before a spherical light needs thin panes and local lights.",
-    "Thin layers (ENDF), Fig. 2":
-        "the masking of microfacets of a von Mises-Fisher distribution needs the layered material.",
-    "Thin layers (ENDF), Figs. 5 to 8":
-        "lobes by joint spherical warping need the layered material.",
     "Thin layers (ENDF), Fig. 10":
         "the rough slab needs thin panes.",
-    "Thin layers (ENDF), Figs. 14 to 16":
-        "coated surfaces, with and without absorption, need the layered material and its ground truth.",
-    "Thin layers (ENDF), Figs. 17 and 18":
-        "coated surfaces in real time need the layered material.",
 }
 """Figures of the two papers that wait for a feature, and for which."""
 
@@ -41,7 +35,7 @@ def write(folder: Path) -> Path:
 
 
 def _section(record: dict) -> str:
-    title = f"Fig. {record['figure']}: {record['title']}"
+    title = f"{label(record['figure'])}: {record['title']}"
     return pages.section(title, f"""{pages.picture(record['picture'], title)}
 <p>{escape(record['caption'])}</p>
 <details><summary>Numbers</summary>{_table(record['numbers'])}</details>

@@ -62,7 +62,7 @@ class Studio:
         if case not in self._subjects:
             conditions = methods.Conditions(self.size, self.size, self.samples, case.paths, case.tir)
             scene = new_scene(case.model, case.exponent, case.rough_exponent)
-            self._subjects[case] = methods.Subject(scene, conditions, self._warn)
+            self._subjects[case] = methods.Subject(scene, conditions, self.warn)
         return self._subjects[case]
 
     def truth(self, case: Case) -> Truth:
@@ -85,7 +85,7 @@ class Studio:
                 "relmse_net": metrics.relmse_net(pixels, truth.halves, mask),
                 "truth_noise": truth.noise, "truth_samples": truth.samples}
 
-    def _warn(self, sentence: str) -> None:
+    def warn(self, sentence: str) -> None:
         """Says it once."""
         if sentence not in self._warnings:
             self._warnings.add(sentence)

@@ -80,3 +80,20 @@ def test_values_out_of_range_are_named():
     for (name, value), word in zip(wrong.items(), words):
         with pytest.raises(verglas.Error, match=word):
             verglas.interface_lobe(**{**right, name: value})
+
+
+@pytest.mark.parametrize("function", [verglas.warped_beam, verglas.kappa_by_jacobians])
+def test_beams_out_of_range_are_named(function):
+    """The same of beams; those that are totally reflected would come back as not a number."""
+    right = {"kappa_o": 100.0, "kappa_m": 50.0, "cos_theta_o": 0.5, "eta": 1.5}
+    function(**right)
+    function(100.0, 50.0, 0.5)
+    for name, value, word in (("kappa_o", 0.0, "concentration"), ("kappa_m", np.nan, "concentration"),
+                              ("cos_theta_o", 1.5, "cosine"), ("eta", 0.0, "index"),
+                              ("eta", 1 / 1.5, "totally reflected")):
+        with pytest.raises(verglas.Error, match=word):
+            function(**{**right, name: value})
+    with pytest.raises(verglas.Error, match="concentration"):
+        verglas.vmf_facing_area(0.0, 0.5)
+    with pytest.raises(verglas.Error, match="cosine"):
+        verglas.vmf_facing_area(1.0, -0.5)

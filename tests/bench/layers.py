@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Coated surfaces: what light that meets the base under the layer costs."""
+
+from figures import coatings, layer_cost
+from figures.coatings import Coated, Coating
+from figures.models import MODELS
+from figures.studio import Studio
+from verglas.compare.progress import Progress
+
+from .frames import Row
+from .plan import Plan
+
+SHARP = Coating(kappa=1e4, base_kappa=1e3)
+
+
+def bounces(plan: Plan, progress: Progress) -> list[Row]:
+    """Of the path tracer on the monkey: recursive sampling beside ENDF, as layer_cost.measure() has them."""
+    monkey = _monkey(plan, progress)
+    rows = []
+    for count in plan.bounces:
+        progress.step(f"path tracing {count} bounces in a layer")
+        coated = monkey.changed(bounces=count)
+        rows.append(coated.coating.numbers
+                    | layer_cost.measure(coated, plan.bounce_samples, plan.bounce_seeds))
+    return rows
+
+
+def _monkey(plan: Plan, progress: Progress) -> Coated:
+    studio = Studio(plan.engine_size[0], quick=False, progress=progress)
+    return Coated(coatings.model_setting(studio, MODELS["monkey"]), SHARP)
