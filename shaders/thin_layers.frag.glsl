@@ -4,10 +4,9 @@
 #define THIN_LAYERS
 #include "local_lights.glsl"
 #include "screen_space.glsl"
-#include "lobe_tables.glsl"
+#include "lobes.glsl"
 #include "materials.glsl"
 #include "lib/bundle.glsl"
-#include "lib/spherical_warping.glsl"
 #include "lib/pane.glsl"
 #include "lib/pane_lookup.glsl"
 #include "lib/coated.glsl"

@@ -10,11 +10,11 @@
 
 namespace verglas::model {
 
-// The part of shaders/lib that reads lobe tables, for C++. Any number of threads may look up at the same
-// time.
+// The part of shaders/lib that looks up the lobes of interfaces by number, for C++. Any number of threads may
+// look up at the same time.
 class LobeModel {
-    // Its functions aren't const, for which GLSL has no word.
-    struct Lookup {
+    // Their functions aren't const, for which GLSL has no word.
+    struct TableLookup {
         const std::vector<LobeSlice>& tables;
 
         // Bilinear interpolation, as GL_LINEAR does with nodes at the centres of texels.
@@ -29,39 +29,66 @@ class LobeModel {
                        row - static_cast<float>(j));
         }
 
-#include "shaders/lib/coated_lookup.glsl"
+// clang-format off
+#include "shaders/lib/table_lobe.glsl"
 #include "shaders/lib/lobe_lookup.glsl"
+#include "shaders/lib/coated_lookup.glsl"
 #include "shaders/lib/pane_lookup.glsl"
+        // clang-format on
     };
+
+    struct AnalyticLookup {
+        PlanarLobe planar_lobe(int kind, float cos_theta, float eta, float roughness) const {
+            return analytic_lobe(kind, cos_theta, eta, roughness);
+        }
+
+// clang-format off
+#include "shaders/lib/lobe_lookup.glsl"
+#include "shaders/lib/coated_lookup.glsl"
+#include "shaders/lib/pane_lookup.glsl"
+        // clang-format on
+    };
+
+    template <typename Question>
+    auto ask(Question question) const {
+        return is_analytic_ ? question(AnalyticLookup{}) : question(TableLookup{tables_});
+    }
 
   public:
     explicit LobeModel(std::vector<LobeSlice> tables) : tables_(std::move(tables)) {}
-
-    Lobe reflected_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n) const {
-        return Lookup{tables_}.reflected_lobe(table, eta, roughness, d, n);
+    // Without tables: numbers are those of analytic_lobe_kind.
+    static LobeModel analytic() {
+        LobeModel model({});
+        model.is_analytic_ = true;
+        return model;
     }
-    Lobe refracted_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n, int tir) const {
-        return Lookup{tables_}.refracted_lobe(table, eta, roughness, d, n, tir);
+
+    Lobe reflected_lobe(int number, float eta, float roughness, const vec3& d, const vec3& n) const {
+        return ask([&](auto lookup) { return lookup.reflected_lobe(number, eta, roughness, d, n); });
+    }
+    Lobe refracted_lobe(int number, float eta, float roughness, const vec3& d, const vec3& n, int tir) const {
+        return ask([&](auto lookup) { return lookup.refracted_lobe(number, eta, roughness, d, n, tir); });
     }
 
     BaseLight first_bounce(const Coating& coating, const vec3& d, const vec3& n) const {
-        return Lookup{tables_}.first_bounce(coating, d, n);
+        return ask([&](auto lookup) { return lookup.first_bounce(coating, d, n); });
     }
     BaseLight next_bounce(const Coating& coating, const BaseLight& light, const vec3& n) const {
-        return Lookup{tables_}.next_bounce(coating, light, n);
+        return ask([&](auto lookup) { return lookup.next_bounce(coating, light, n); });
     }
     Moments leaving_lobe(const Coating& coating, const BaseLight& light, const vec3& n) const {
-        return Lookup{tables_}.leaving_lobe(coating, light, n);
+        return ask([&](auto lookup) { return lookup.leaving_lobe(coating, light, n); });
     }
     Fan leaving_light(const Coating& coating, const BaseLight& light, const vec3& n) const {
-        return Lookup{tables_}.leaving_light(coating, light, n);
+        return ask([&](auto lookup) { return lookup.leaving_light(coating, light, n); });
     }
     PaneLobes pane_lobes(const Pane& pane, const vec3& d, const vec3& n) const {
-        return Lookup{tables_}.pane_lobes(pane, d, n);
+        return ask([&](auto lookup) { return lookup.pane_lobes(pane, d, n); });
     }
 
   private:
     std::vector<LobeSlice> tables_;
+    bool is_analytic_ = false;
 };
 
 }  // namespace verglas::model

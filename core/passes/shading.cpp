@@ -62,6 +62,15 @@ void set_lights(const gl::Program& program, const LightBuffer& lights) {
     if (lights.count() > 0) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, lights.buffer().id());
 }
 
+void set_lobes(const gl::Program& program, const ShadingInputs& inputs, const MaterialCache& materials) {
+    if (inputs.settings.lobes == Lobes::Table)
+        set_texture(program, "lobe_tables", tables_unit, materials.lobe_tables());
+}
+
+void define_lobes(std::vector<std::string>& defines, Lobes lobes) {
+    if (lobes == Lobes::Analytic) defines.emplace_back("ANALYTIC_LOBES");
+}
+
 // The uniforms of shaders/screen_space.glsl.
 void set_screen_space(const gl::Program& program, const ShadingInputs& inputs) {
     set_texture(program, "front_faces", front_unit, inputs.front.texels());
@@ -93,8 +102,8 @@ bool RefractionPass::follows_reflections(const Settings& settings) {
 }
 
 const gl::Program& RefractionPass::program(const Settings& settings, RoughnessData front, int classes) {
-    const std::tuple key(settings.transport, settings.intersection, follows_reflections(settings), front,
-                         classes);
+    const std::tuple key(settings.transport, settings.intersection, settings.lobes,
+                         follows_reflections(settings), front, classes);
     const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
     constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE",
@@ -102,6 +111,7 @@ const gl::Program& RefractionPass::program(const Settings& settings, RoughnessDa
     constexpr const char* intersections[] = {"INTERSECTION_NEWTON", "INTERSECTION_MARCH"};
     std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
                                         intersections[static_cast<int>(settings.intersection)]};
+    define_lobes(defines, settings.lobes);
     if (needs_layers(settings)) defines.emplace_back("LAYERS");
     if (front != RoughnessData::None) defines.emplace_back("FRONT_ROUGHNESS");
     if (classes > 0) {
@@ -129,7 +139,7 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     set_lights(shader, inputs.lights);
     set_screen_space(shader, inputs);
     set_texture(shader, "back_faces", back_unit, back.farthest.texels());
-    set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
+    set_lobes(shader, inputs, materials);
     if (back_data != RoughnessData::None)
         set_texture(shader, "back_classes", back_classes_unit, back.class_pyramid);
     if (inputs.front.roughness_data() != RoughnessData::None)
@@ -154,19 +164,28 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     }
 }
 
+const gl::Program& ThinLayerPass::program(Lobes lobes) {
+    const auto found = programs_.find(lobes);
+    if (found != programs_.end()) return found->second;
+    std::vector<std::string> defines;
+    define_lobes(defines, lobes);
+    return programs_.emplace(lobes, gl::Program("full_screen.vert.glsl", "thin_layers.frag.glsl", defines))
+        .first->second;
+}
+
 void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
                          const MaterialCache& materials, const ViewGroup& group, int number) {
-    if (!program_) program_.emplace("full_screen.vert.glsl", "thin_layers.frag.glsl");
-    program_->use();
-    set_environment(*program_, inputs);
-    set_lights(*program_, inputs.lights);
-    set_screen_space(*program_, inputs);
-    set_texture(*program_, "lobe_tables", tables_unit, materials.lobe_tables());
-    set_texture(*program_, "front_roughness", front_roughness_unit, inputs.front.roughness());
+    const gl::Program& shader = program(inputs.settings.lobes);
+    shader.use();
+    set_environment(shader, inputs);
+    set_lights(shader, inputs.lights);
+    set_screen_space(shader, inputs);
+    set_lobes(shader, inputs, materials);
+    set_texture(shader, "front_roughness", front_roughness_unit, inputs.front.roughness());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, materials.layers().id());
-    program_->set("group", number);
-    program_->set("reflection", inputs.settings.reflection ? 1 : 0);
+    shader.set("group", number);
+    shader.set("reflection", inputs.settings.reflection ? 1 : 0);
     for (const ViewObject& item : group.objects) {
         begin(target, inputs.view, item.rect);
         gl::draw_full_screen(empty_);

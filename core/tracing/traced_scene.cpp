@@ -22,14 +22,14 @@ double seconds_of(Work work) {
 
 TracedScene::TracedScene() : tables_(user_cache_folder()) {}
 
-void TracedScene::update(const Scene& scene) {
+void TracedScene::update(const Scene& scene, Lobes lobes) {
     scene_ = &scene;
     has_shadows_ = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
         return material.kind == MaterialKind::Coated;
     });
     seconds_["meshes"] = seconds_of([&] { rays_.update(scene); });
     seconds_["tables"] = seconds_of([&] {
-        if (tables_.update(scene.materials) || !lobes_) lobes_.emplace(tables_.slices());
+        if (tables_.update(scene.materials, lobes) || !lobes_) lobes_ = tables_.model();
         update_roughness(scene);
     });
     seconds_["environment"] = seconds_of([&] { update_environment(scene.environment_map); });

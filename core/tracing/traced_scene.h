@@ -24,7 +24,7 @@ class TracedScene {
     TracedScene();
 
     // Follows the scene, which must outlive the questions, and builds only what has changed. Throws Error.
-    void update(const Scene& scene);
+    void update(const Scene& scene, Lobes lobes);
 
     const Scene& scene() const { return *scene_; }
     const RayScene& rays() const { return rays_; }

@@ -42,6 +42,9 @@ def ratios(results: dict[str, list[Row]]) -> dict[str, float]:
     uniform, *varying = results["roughness"]
     for row in varying:
         result[f"{row['roughness']} / uniform roughness"] = row["frame_ms"] / uniform["frame_ms"]
+    for method in dict.fromkeys(row["method"] for row in results["lobes"]):
+        table, analytic = (row["frame_ms"] for row in results["lobes"] if row["method"] == method)
+        result[f"analytic / table lobes, {method}"] = analytic / table
     return result
 
 
