@@ -173,6 +173,17 @@ def test_modes_of_total_internal_reflection(glass):
     assert not any(np.array_equal(a, b) for a, b in zip(shown, shown[1:]))
 
 
+def test_analytic_lobes(glass):
+    """The method would show the tables' picture, or that of the file's way through the glass."""
+    subject = methods.Subject(glass, SMALL, pytest.fail)
+    expected = subject.real_time("bundle", 1, lobes='ANALYTIC').pixels
+    assert not np.array_equal(subject.real_time("bundle", 1).pixels, expected)
+    glass.verglas.transport = 'SINGLE'
+    assert np.array_equal(subject.real_time("analytic", 1).pixels, expected)
+    glass.verglas.lobes = 'ANALYTIC'
+    assert np.array_equal(subject.real_time("bundle", 1).pixels, expected)
+
+
 def test_cycles_shows_the_same(glass):
     """Cycles as truth or method would show another picture: turned, of another size or filter, or clamped;
     and the user's settings would be gone afterwards."""
