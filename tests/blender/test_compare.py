@@ -27,7 +27,7 @@ from verglas.faults import Fault
 
 COMPARE = Path(verglas.__file__).parent / "cli" / "compare.py"
 
-PANE = str(Path(__file__).parents[2] / "blend_files" / "pane.blend")
+SUNLIT_SLAB = str(Path(__file__).parents[2] / "blend_files" / "sunlit_slab.blend")
 
 SMALL = methods.Conditions(48, 36, samples=2)
 
@@ -401,19 +401,19 @@ def test_report(file, tmp_path):
 
 
 @pytest.mark.parametrize("roughness", (0.35, 0.5))
-def test_blur_of_a_flat_pane(tmp_path, roughness):
-    """A user loses: a pane, frosted on one side, that blurs what is behind it as much as it should, and a
+def test_blur_of_a_flat_slab(tmp_path, roughness):
+    """A user loses: a slab, frosted on one side, that blurs what is behind it as much as it should, and a
     researcher the numbers that tell how far the paper's method, which drops the front's blur here, is off."""
-    scene = cases.open_case(cases.Case(PANE))
-    front = scene.objects["Pane"].data.materials[0]
+    scene = cases.open_case(cases.Case(SUNLIT_SLAB))
+    front = scene.objects["Sunlit Slab"].data.materials[0]
     node_of(front.node_tree, 'ShaderNodeBsdfGlass').inputs["Roughness"].default_value = roughness
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "pane.blend"))
-    assert run([cases.Case(str(tmp_path / "pane.blend"), name="pane")], tmp_path, methods=("bundle", "paper"),
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "slab.blend"))
+    assert run([cases.Case(str(tmp_path / "slab.blend"), name="slab")], tmp_path, methods=("bundle", "paper"),
                paths='two_interface', spp=32, samples=1, size=(96, 96))
     report = json.loads((tmp_path / "report.json").read_text())
     truth = report["truth"]["kappa"]
     bundle, paper = (report["methods"][method]["kappa"] for method in ("bundle", "paper"))
-    print(f"pane, rough front {roughness}, smooth back: kappa {truth:.1f}, bundle {bundle:.1f}, "
+    print(f"slab, rough front {roughness}, smooth back: kappa {truth:.1f}, bundle {bundle:.1f}, "
           f"paper {paper:.1f}")
     # Beckmann's slopes have the variance alpha^2 / 2 each way; where all angles are small, a facet that is
     # tilted by t turns light by (1 - 1 / eta) t, and the back makes (eta - 1) t of that.
