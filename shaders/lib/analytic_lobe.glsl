@@ -8,11 +8,11 @@
 // three facets of it, and masking is Smith's of the mean direction. Lobes of GGX below the critical angle, which facets
 // of its long tail alone refract, are the least like the truth.
 
-// Some facets: their share of those that the viewer sees; their mean tilt from n toward him, in the plane of incidence,
-// radians; and its variance in that plane and across it.
+// Some facets: their share of those that the viewer sees; the mean of their slopes toward him, in the plane of
+// incidence; and the variance of slopes in that plane and across it.
 struct Facets {
     float share;
-    float tilt;
+    float slope;
     float in_plane;
     float across;
 };
@@ -27,7 +27,7 @@ struct NormalPart {
 // Boyd's (1959) approximation of Mills' ratio, by which the share is off by 1.2 % of itself or less.
 SHARED NormalPart normal_above(float limit) {
     float x = abs(limit);
-    float density = exp(-0.5f * x * x) / sqrt(2.0f * PI);
+    float density = exp(-0.5f * min(x * x, 150.0f)) / sqrt(2.0f * PI);  // above underflow, which is slow
     float mean_beyond = ((PI - 1.0f) * x + sqrt(x * x + 2.0f * PI)) / PI;
     float beyond = density / mean_beyond;
     NormalPart part;
@@ -37,19 +37,19 @@ SHARED NormalPart normal_above(float limit) {
     return part;
 }
 
-SHARED Facets facets_tilted_above(Facets facets, float limit) {
+SHARED Facets facets_above(Facets facets, float slope) {
     float deviation = sqrt(facets.in_plane);
-    NormalPart part = normal_above((limit - facets.tilt) / deviation);
+    NormalPart part = normal_above((slope - facets.slope) / deviation);
     facets.share *= part.share;
-    facets.tilt += deviation * part.mean;
+    facets.slope += deviation * part.mean;
     facets.in_plane *= part.variance;
     return facets;
 }
 
-SHARED Facets facets_tilted_below(Facets facets, float limit) {
-    facets.tilt = -facets.tilt;
-    facets = facets_tilted_above(facets, -limit);
-    facets.tilt = -facets.tilt;
+SHARED Facets facets_below(Facets facets, float slope) {
+    facets.slope = -facets.slope;
+    facets = facets_above(facets, -slope);
+    facets.slope = -facets.slope;
     return facets;
 }
 
@@ -57,8 +57,8 @@ SHARED Facets facets_tilted_below(Facets facets, float limit) {
 SHARED Facets joined_facets(Facets a, Facets b) {
     float share = a.share + b.share;
     float part = b.share / max(share, 1e-12f);
-    float distance = b.tilt - a.tilt;
-    a.tilt += part * distance;
+    float distance = b.slope - a.slope;
+    a.slope += part * distance;
     a.in_plane = mix(a.in_plane, b.in_plane, part) + part * (1.0f - part) * distance * distance;
     a.share = share;
     return a;
@@ -74,84 +74,108 @@ SHARED float slope_variance(int ndf, float alpha) {
     return 0.5f * alpha2 * (log(1.0f + reach) - reach / (1.0f + reach));
 }
 
-// Facets with Gaussian slopes that are seen from a direction o. Per area of the surface, a facet whose slope toward the
-// viewer is x has the projected area cos + x sin.
-SHARED Facets visible_facets(float variance, float cos_theta) {
-    float sin_theta = sqrt(1.0f - cos_theta * cos_theta);
-    float deviation = max(sin_theta * sqrt(variance), 1e-6f);
-    float hidden_beyond = deviation * normal_above(-cos_theta / deviation).mean;
-    float area = cos_theta + hidden_beyond;  // mean of those that face the viewer
-    float slope = variance * sin_theta / area;
-    float narrowing = 1.0f / (1.0f + slope * slope);  // slopes to angles
+// A direction o in the plane of incidence, above the surface.
+struct Incidence {
+    float cosine;
+    float sine;
+};
+
+// Facets with Gaussian slopes that are seen. Per area of the surface, a facet whose slope toward the viewer is x has the
+// projected area cos + x sin.
+SHARED Facets visible_facets(float variance, Incidence o) {
+    float deviation = max(o.sine * sqrt(variance), 1e-6f);
+    float hidden = deviation * normal_above(-o.cosine / deviation).mean;
+    float area = o.cosine + hidden;  // mean of those that face the viewer
     Facets facets;
     facets.share = 1.0f;
-    facets.tilt = atan(slope);
-    facets.in_plane = (variance * (1.0f + hidden_beyond / area) - slope * slope) * narrowing * narrowing;
-    facets.across = variance * narrowing;
+    facets.slope = variance * o.sine / area;
+    facets.in_plane = variance * (1.0f + hidden / area) - facets.slope * facets.slope;
+    facets.across = variance;
     return facets;
 }
 
-// As many of the facets as send light on: by F or 1 - F of three of them, a Gauss-Hermite rule.
-SHARED Facets weighted_facets(Facets facets, int event, float theta, float eta) {
+// The slope of facets that o meets at the critical angle of eta < 1; flatter ones let light through.
+SHARED float critical_slope(Incidence o, float eta) {
+    float cosine = critical_cosine(eta);
+    return (o.sine * cosine - o.cosine * eta) / max(o.cosine * cosine + o.sine * eta, 1e-6f);
+}
+
+// The same of facets that mirror o into the surface; flatter ones mirror it upward.
+SHARED float horizon_slope(Incidence o) { return -o.cosine / (1.0f + o.sine); }
+
+// Of o to the normal of a facet.
+SHARED float facet_cosine(Incidence o, float slope) {
+    return clamp((o.cosine + slope * o.sine) / sqrt(1.0f + slope * slope), 1e-6f, 1.0f);
+}
+
+// What a facet sends on, by F or 1 - F.
+SHARED float sent_on(int event, float cos_theta, float eta) {
+    float F = fresnel_dielectric(cos_theta, eta);
+    return event == EVENT_REFLECT ? F : 1.0f - F;
+}
+
+// As many of the facets as send light on: by three of them, a Gauss-Hermite rule.
+SHARED Facets weighted_facets(Facets facets, int event, Incidence o, float eta) {
     if (event == EVENT_REFRACT_WITHOUT) return facets;
-    Facets sum;
-    sum.share = 0.0f;
-    sum.tilt = facets.tilt;
-    sum.in_plane = 0.0f;
-    sum.across = facets.across;
-    for (int i = -1; i <= 1; ++i) {
-        Facets facet = facets;
-        facet.tilt += float(i) * sqrt(3.0f * facets.in_plane);
-        facet.in_plane = 0.0f;
-        float F = fresnel_dielectric(clamp(cos(theta - facet.tilt), 1e-6f, 1.0f), eta);
-        facet.share *= (event == EVENT_REFLECT ? F : 1.0f - F) * (i == 0 ? 2.0f : 0.5f) / 3.0f;
-        sum = joined_facets(sum, facet);
-    }
-    sum.in_plane = max(sum.in_plane, 0.05f * facets.in_plane);
-    return sum;
+    float step = sqrt(3.0f * facets.in_plane);
+    float low = sent_on(event, facet_cosine(o, facets.slope - step), eta) / 6.0f;
+    float middle = sent_on(event, facet_cosine(o, facets.slope), eta) * (2.0f / 3.0f);
+    float high = sent_on(event, facet_cosine(o, facets.slope + step), eta) / 6.0f;
+    float sum = max(low + middle + high, 1e-12f);
+    float shift = step * (high - low) / sum;
+    facets.share *= sum;
+    facets.slope += shift;
+    facets.in_plane = max(step * step * (low + high) / sum - shift * shift, 0.05f * facets.in_plane);
+    return facets;
 }
 
-// Mean variance over both axes of directions that facets have turned. jacobian: d(m) / d(i), of both axes together;
-// cos_theta: of the light that leaves, to the facet. A tilt in the plane of incidence turns light 1 / cos_theta times as
-// far as one across it. The paper's concentration kappa_m times the Jacobian has the geometric mean of both variances.
-SHARED float warped_variance(Facets facets, float jacobian, float cos_theta) {
-    return 0.5f * (facets.in_plane / cos_theta + facets.across * cos_theta) / jacobian;
-}
-
-// angle: of the mean direction to the normal on its side.
-SHARED PlanarLobe lobe_about(float energy, float variance, float angle, int ndf, float alpha) {
+// The lobe of facets that turn o to a direction (along, away), whose length is 1. jacobian: d(m) / d(i), of both axes
+// together; cos_theta: of the light that leaves, to the facet. A tilt in the plane of incidence turns light 1 / cos_theta
+// times as far as one across it, and the lobe has the mean of both variances; of the paper's concentration, kappa_m times
+// the Jacobian, it is the geometric mean.
+SHARED PlanarLobe warped_lobe(Facets facets, float along, float away, float jacobian, float cos_theta, int ndf,
+                              float alpha) {
+    float narrowing = 1.0f / (1.0f + facets.slope * facets.slope);  // slopes to angles
+    float variance =
+        0.5f * narrowing * (narrowing * facets.in_plane / cos_theta + facets.across * cos_theta) / jacobian;
     PlanarLobe lobe;
-    lobe.along = sin(angle);
-    lobe.away = max(cos(angle), 1e-3f);
-    lobe.energy = energy * smith_masking(ndf, alpha, min(lobe.away, 1.0f));
+    lobe.along = along;
+    lobe.away = clamp(away, 1e-3f, 1.0f);
+    lobe.energy = facets.share * smith_masking(ndf, alpha, lobe.away);
     lobe.spread = clamp(spread_from_kappa(1.0f / variance), LOBE_MIN_SPREAD, 1.0f);
     return lobe;
 }
 
 // Those beyond the critical angle reflect all.
-SHARED PlanarLobe analytic_reflection(Facets facets, float theta, float eta, int ndf, float alpha) {
+SHARED PlanarLobe analytic_reflection(Facets facets, Incidence o, float eta, int ndf, float alpha) {
     Facets mirrors;
     if (eta < 1.0f) {
-        float limit = theta - asin(eta);
-        mirrors = joined_facets(facets_tilted_below(facets, limit),
-                                weighted_facets(facets_tilted_above(facets, limit), EVENT_REFLECT, theta, eta));
+        float limit = critical_slope(o, eta);
+        mirrors = joined_facets(facets_below(facets, limit),
+                                weighted_facets(facets_above(facets, limit), EVENT_REFLECT, o, eta));
     } else {
-        mirrors = weighted_facets(facets, EVENT_REFLECT, theta, eta);
+        mirrors = weighted_facets(facets, EVENT_REFLECT, o, eta);
     }
-    mirrors = facets_tilted_above(mirrors, 0.5f * (theta - 0.5f * PI));  // light from above the horizon
-    float cos_theta = max(cos(theta - mirrors.tilt), 0.05f);
-    float variance = warped_variance(mirrors, 0.25f / cos_theta, cos_theta);
-    return lobe_about(mirrors.share, variance, theta - 2.0f * mirrors.tilt, ndf, alpha);
+    mirrors = facets_above(mirrors, horizon_slope(o));
+    float stretch = 1.0f / sqrt(1.0f + mirrors.slope * mirrors.slope);  // m = stretch (slope, 1)
+    float o_m = facet_cosine(o, mirrors.slope);
+    float along = o.sine - 2.0f * o_m * stretch * mirrors.slope;
+    float away = 2.0f * o_m * stretch - o.cosine;
+    float bounded = max(o_m, 0.05f);
+    return warped_lobe(mirrors, along, away, 0.25f / bounded, bounded, ndf, alpha);
 }
 
-SHARED PlanarLobe analytic_refraction(Facets facets, int event, float theta, float eta, int ndf, float alpha) {
-    if (eta < 1.0f) facets = facets_tilted_above(facets, theta - asin(eta));
-    facets = weighted_facets(facets, event, theta, eta);
-    float cos_theta = cos(theta - facets.tilt);
-    float theta_t = asin(clamp(sin(theta - facets.tilt) / eta, -1.0f, 1.0f));
-    float cos_theta_t = max(cos(theta_t), 0.1f);  // along the surface light would turn without bound
-    float variance = warped_variance(facets, facet_jacobian(eta, cos_theta, cos_theta_t), cos_theta_t);
-    return lobe_about(facets.share, variance, theta_t + facets.tilt, ndf, alpha);
+SHARED PlanarLobe analytic_refraction(Facets facets, int event, Incidence o, float eta, int ndf, float alpha) {
+    if (eta < 1.0f) facets = facets_above(facets, critical_slope(o, eta));
+    facets = weighted_facets(facets, event, o, eta);
+    float stretch = 1.0f / sqrt(1.0f + facets.slope * facets.slope);
+    float o_m = facet_cosine(o, facets.slope);
+    float t_m = sqrt(max(1.0f - (1.0f - o_m * o_m) / (eta * eta), 0.0f));
+    float turn = t_m - o_m / eta;  // t = -o / eta - turn m
+    float along = o.sine / eta + turn * stretch * facets.slope;
+    float away = o.cosine / eta + turn * stretch;
+    float bounded = max(t_m, 0.1f);  // along the facet light would turn without bound
+    return warped_lobe(facets, along, away, facet_jacobian(eta, o_m, bounded), bounded, ndf, alpha);
 }
 
 // Number of a lobe, as tables have theirs. event: EVENT_*.
@@ -163,8 +187,10 @@ SHARED PlanarLobe analytic_lobe(int kind, float cos_theta, float eta, float roug
     int event = kind / NDF_COUNT;
     int ndf = kind - NDF_COUNT * event;
     float alpha = alpha_from_roughness(roughness);
-    Facets facets = visible_facets(slope_variance(ndf, alpha), cos_theta);
-    float theta = acos(cos_theta);
-    if (event == EVENT_REFLECT) return analytic_reflection(facets, theta, eta, ndf, alpha);
-    return analytic_refraction(facets, event, theta, eta, ndf, alpha);
+    Incidence o;
+    o.cosine = cos_theta;
+    o.sine = sqrt(1.0f - cos_theta * cos_theta);
+    Facets facets = visible_facets(slope_variance(ndf, alpha), o);
+    if (event == EVENT_REFLECT) return analytic_reflection(facets, o, eta, ndf, alpha);
+    return analytic_refraction(facets, event, o, eta, ndf, alpha);
 }

@@ -6,6 +6,7 @@
 // 1 - A3(kappa), for kappa >= 0.
 SHARED float spread_from_kappa(float kappa) {
     if (kappa < 0.1f) return 1.0f - kappa * (1.0f / 3.0f - kappa * kappa / 45.0f);
+    if (kappa > 20.0f) return 1.0f / kappa;  // to float's precision
     float e = exp(-2.0f * kappa);
     return 1.0f / kappa - 2.0f * e / (1.0f - e);
 }

@@ -103,10 +103,10 @@ TEST_P(AnalyticLobe, OfGaussianFacetsIsNearTheIntegral) {
     for (const LobeEvent event : {LobeEvent::Refract, LobeEvent::RefractWithout, LobeEvent::Reflect}) {
         const auto crossings = crossings_of({Ndf::Beckmann, Ndf::BlinnPhong}, event);
         const Summary summary = summary_of(lobes_of(crossings), crossings);
-        EXPECT_LE(summary.mean.energy, 0.005);
-        EXPECT_LE(summary.most.energy, 0.05);
+        EXPECT_LE(summary.mean.energy, 0.007);
+        EXPECT_LE(summary.most.energy, 0.06);
         EXPECT_LE(summary.mean.degrees, 0.5);
-        EXPECT_LE(summary.most.degrees, 3.5);
+        EXPECT_LE(summary.most.degrees, 6.0);
         EXPECT_LE(summary.mean.log_spread, 0.05);
         EXPECT_LE(summary.most.log_spread, 0.2);
     }
@@ -117,8 +117,8 @@ TEST_P(AnalyticLobe, OfGgxIsAboutTheIntegral) {
     for (const LobeEvent event : {LobeEvent::Refract, LobeEvent::RefractWithout, LobeEvent::Reflect}) {
         const auto crossings = crossings_of({Ndf::Ggx}, event);
         const Summary summary = summary_of(lobes_of(crossings), crossings);
-        EXPECT_LE(summary.mean.energy, 0.02);
-        EXPECT_LE(summary.mean.degrees, 1.6);
+        EXPECT_LE(summary.mean.energy, 0.03);
+        EXPECT_LE(summary.mean.degrees, 2.0);
         EXPECT_LE(summary.mean.log_spread, 0.35);
     }
 }
@@ -136,16 +136,15 @@ TEST_P(AnalyticLobe, WhatIsNotRefractedIsReflected) {
             << "cosine " << crossings[i].cosine;
 }
 
-// A user loses: clear and polished glass, whose lobes are those of Snell's and Fresnel's laws. Angles of GLSL
-// are precise to a few 1e-4.
+// A user loses: clear and polished glass, whose lobes are those of Snell's and Fresnel's laws.
 TEST_P(AnalyticLobe, OfSmoothSurfacesIsSharp) {
     const std::vector<Crossing> crossings = {{Ndf::Ggx, LobeEvent::Refract, 1.5F, 0.0F, 0.6F},
                                              {Ndf::Beckmann, LobeEvent::Reflect, 1.5F, 0.0F, 0.6F}};
     const auto lobes = lobes_of(crossings);
-    EXPECT_NEAR(lobes[0].along, 0.8 / 1.5, 1e-3);
-    EXPECT_NEAR(lobes[1].along, 0.8, 1e-3);
-    EXPECT_NEAR(lobes[0].energy, 1.0 - reference::fresnel(0.6, 1.5), 1e-3);
-    EXPECT_NEAR(lobes[1].energy, reference::fresnel(0.6, 1.5), 1e-3);
+    EXPECT_NEAR(lobes[0].along, 0.8 / 1.5, 1e-4);
+    EXPECT_NEAR(lobes[1].along, 0.8, 1e-4);
+    EXPECT_NEAR(lobes[0].energy, 1.0 - reference::fresnel(0.6, 1.5), 1e-4);
+    EXPECT_NEAR(lobes[1].energy, reference::fresnel(0.6, 1.5), 1e-4);
     for (const model::PlanarLobe& lobe : lobes) EXPECT_LE(lobe.spread, 1e-5);
 }
 
