@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Coatings by the lobe tables. The including code provides what lobe_lookup.glsl needs.
+// Coatings by the lobes of their outer side. The including code provides what lobe_lookup.glsl needs.
 
 // A lobe in the layer that goes down, after the base.
 SHARED BaseLight after_base(Coating coating, Lobe down, vec3 color, vec3 n) {
