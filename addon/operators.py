@@ -30,6 +30,7 @@ class VERGLAS_OT_compare(bpy.types.Operator):
             ('single', "Single", "Verglas: one ray along the lobe's axis"),
             ('depth_mip', "Depth Mip", "Sharp refraction, blurred by the way through the glass"),
             ('specular', "Specular", "Sharp refraction, as if the glass were polished"),
+            ('analytic', "Bundle, Analytic", "Bundle, lobes being closed forms in place of tables"),
             ('tir_none', "Bundle, None", "Bundle, totally reflected light being lost"),
             ('tir_incident', "Bundle, Incident", "Bundle, totally reflected light going straight on"),
             ('tir_clamp', "Bundle, Clamp", "Bundle, totally reflected light leaving along the surface"),

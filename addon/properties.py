@@ -116,6 +116,18 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
         default='NEWTON',
         update=_noticed,
     )
+    lobes: EnumProperty(
+        name="Lobes",
+        description="What is known of the lobes of light that rough surfaces refract and reflect",
+        items=(
+            ('TABLE', "Table", "Tables, computed once for each distribution of microfacets; the most exact"),
+            ('ANALYTIC', "Analytic",
+             "Closed forms, with nothing to compute beforehand; less exact, above all for GGX and near the "
+             "critical angle (Guo et al. 2016)"),
+        ),
+        default='TABLE',
+        update=_noticed,
+    )
     tir: EnumProperty(
         name="Total Internal Reflection",
         description="What becomes of light that cannot leave the glass",

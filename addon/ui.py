@@ -118,6 +118,7 @@ class VERGLAS_RENDER_PT_glass(VerglasPanel, bpy.types.Panel):
                 layout.prop(settings, "roughness_classes")
         if 'CPU' in in_use:
             layout.prop(settings, "max_interfaces")
+        layout.prop(settings, "lobes")
         layout.prop(settings, "reflection")
 
 

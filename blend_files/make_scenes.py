@@ -4,9 +4,9 @@
     blender --background --factory-startup --python blend_files/make_scenes.py [-- NAME ...]
 
 The add-on has to be installed. Every scene is one object at the origin, of frosted glass or coated, under
-the same HDR map but for the pane, which a sun stands behind. All meshes but Blender's monkey and the window's
-sheet are closed with outward normals, which is checked; the monkey is open behind its eyes, as Blender makes
-it.
+the same HDR map but for the sunlit slab, which a sun stands behind. All meshes but Blender's monkey and the
+pane's sheet are closed with outward normals, which is checked; the monkey is open behind its eyes, as Blender
+makes it.
 """
 
 import sys
@@ -91,6 +91,95 @@ def monkey():
     return object
 
 
+class Kitten:
+    """A sitting kitten that looks along -Y, 2.3 high: balls, drawn out and in rows, joined and smoothed but
+    for its eyes and nose, which stay by themselves."""
+
+    VOXEL = 0.06
+
+    def __init__(self):
+        self.bm = bmesh.new()
+
+    def ball(self, center, radii, pitch=0.0, subdivisions=3):
+        """pitch: turn about X, degrees."""
+        matrix = (Matrix.Translation(center) @ Matrix.Rotation(radians(pitch), 4, 'X')
+                  @ Matrix.Diagonal((*radii, 1)))
+        bmesh.ops.create_icosphere(self.bm, subdivisions=subdivisions, radius=1, matrix=matrix)
+
+    def row(self, points, radii):
+        """Balls from point to point, of radii from each to the next."""
+        for (start, end), (first, last) in zip(zip(points, points[1:]), zip(radii, radii[1:])):
+            steps = max(int((Vector(end) - Vector(start)).length / 0.03), 1)
+            for i in range(steps + 1):
+                radius = first + (last - first) * i / steps
+                self.ball(Vector(start).lerp(end, i / steps), 3 * (radius,))
+
+    def body(self):
+        self.ball((0, 0.18, -0.52), (0.52, 0.56, 0.60), pitch=-18)
+        self.ball((0, -0.16, -0.22), (0.40, 0.38, 0.52), pitch=-10)
+
+    def head(self):
+        self.ball((0, -0.22, 0.54), (0.62, 0.52, 0.49))
+        self.ball((0, -0.69, 0.50), (0.10, 0.10, 0.13))  # bridge of the nose
+        self.ball((0, -0.69, 0.255), (0.12, 0.10, 0.07))  # chin
+
+    def paired(self, side):
+        """What is on one side: -1 or 1."""
+        self.ball((0.38 * side, 0.16, -0.73), (0.33, 0.48, 0.40), pitch=-12)  # haunch
+        self.ball((0.42 * side, -0.36, -1.03), (0.17, 0.28, 0.12))  # hind paw
+        self.row([(0.19 * side, -0.36, -0.25), (0.17 * side, -0.50, -1.0)], [0.20, 0.14])  # foreleg
+        self.ball((0.18 * side, -0.60, -1.03), (0.17, 0.20, 0.12))  # forepaw
+        self.ball((0.34 * side, -0.36, 0.40), (0.28, 0.26, 0.22))  # cheek
+        self.ball((0.12 * side, -0.74, 0.37), (0.14, 0.12, 0.11))  # muzzle
+        self.ear(side)
+
+    def ear(self, side):
+        base, tip = Vector((0.36 * side, -0.20, 0.84)), Vector((0.53 * side, -0.20, 1.24))
+        for i in range(17):
+            t = i / 16
+            self.ball(base.lerp(tip, t), (0.05 + 0.22 * (1 - t) ** 0.8, 0.06 + 0.05 * (1 - t), 0.06))
+
+    def tail(self):
+        """From behind about the left side to before the paws."""
+        points = [(0.70 * sin(radians(a)) + 0.05, 0.05 + 0.72 * -cos(radians(a)), -1.02)
+                  for a in range(170, 10, -10)]
+        self.row(points, [0.12 - 0.04 * i / (len(points) - 1) for i in range(len(points))])
+
+    def eyes_and_nose(self):
+        for side in (-1, 1):
+            self.ball((0.25 * side, -0.59, 0.60), (0.14, 0.13, 0.125), subdivisions=2)
+        self.ball((0, -0.80, 0.46), (0.075, 0.05, 0.05), subdivisions=2)
+
+    def join(self):
+        """What there is, with one smooth skin."""
+        parts = bpy.data.objects.new("Parts", new_mesh("Parts", self.bm, smooth=True))
+        bpy.context.scene.collection.objects.link(parts)
+        remesh = parts.modifiers.new("Remesh", 'REMESH')
+        remesh.mode, remesh.voxel_size = 'VOXEL', self.VOXEL
+        parts.modifiers.new("Smooth", 'SMOOTH').iterations = 5
+        self.bm = bmesh.new()
+        self.bm.from_object(parts, bpy.context.evaluated_depsgraph_get())
+        bpy.data.meshes.remove(parts.data)
+
+    def mesh(self):
+        self.body()
+        self.head()
+        self.tail()
+        for side in (-1, 1):
+            self.paired(side)
+        self.join()
+        self.eyes_and_nose()
+        return new_mesh("Kitten", self.bm, smooth=True)
+
+
+def kitten():
+    """40k triangles when subdivided."""
+    object = bpy.data.objects.new("Kitten", Kitten().mesh())
+    subdivision = object.modifiers.new("Subdivision", 'SUBSURF')
+    subdivision.levels = subdivision.render_levels = 1
+    return object
+
+
 def sphere():
     """Radius 1, 20k triangles: a cube whose grid is spread to equal angles and drawn to the sphere."""
     bm = bmesh.new()
@@ -138,14 +227,14 @@ def slab():
     return bpy.data.objects.new("Slab", new_mesh("Slab", bm, smooth=False))
 
 
-def pane():
-    """A flat pane, 4.4 x 0.3 x 4.4, that covers the picture. Its back, away from the camera, has the second
+def sunlit_slab():
+    """4.4 x 0.3 x 4.4, so that it covers the picture. Its back, away from the camera, has the second
     material."""
     bm = bmesh.new()
     bmesh.ops.create_cube(bm, size=1, matrix=Matrix.Diagonal((4.4, 0.3, 4.4, 1)))
     for face in bm.faces:
         face.material_index = int(face.normal.y > 0.5)
-    return bpy.data.objects.new("Pane", new_mesh("Pane", bm, smooth=False))
+    return bpy.data.objects.new("Sunlit Slab", new_mesh("Sunlit Slab", bm, smooth=False))
 
 
 def globe():
@@ -220,7 +309,8 @@ def glass(roughness):
 
 
 def etched():
-    """A thin pane whose inner side is frosted but for stripes; its picture is stored in the .blend."""
+    """A thin pane whose inner side is frosted but for stripes (de Rousiers et al. 2012, Fig. 16); its picture
+    is stored in the .blend."""
     material = glass(0.02)
     material.name = "Etched"
     width = 256
@@ -270,17 +360,17 @@ def coated_grid():
     return grid
 
 
-def window():
+def pane():
     """A sheet of 4.4 x 4.4 that covers the picture, upright, its front to the camera."""
     bm = bmesh.new()
     bm.loops.layers.uv.new()
     bmesh.ops.create_grid(bm, x_segments=1, y_segments=1, size=2.2, calc_uvs=True)
     bmesh.ops.rotate(bm, verts=bm.verts, matrix=Matrix.Rotation(radians(90), 3, 'X'))
-    return bpy.data.objects.new("Window", new_mesh("Window", bm, smooth=False, closed=False))
+    return bpy.data.objects.new("Pane", new_mesh("Pane", bm, smooth=False, closed=False))
 
 
 def lamp():
-    """A glowing ball behind the window."""
+    """A glowing ball behind the pane."""
     data = bpy.data.lights.new("Lamp", 'POINT')
     data.energy, data.color, data.shadow_soft_size = 300, (1.0, 0.7, 0.4), 0.4
     lamp = bpy.data.objects.new("Lamp", data)
@@ -390,10 +480,10 @@ SCENES = {
     "lens": Sample(lens, (0.3,)),
     "bottle": Sample(bottle, (0.35,)),
     "slab": Sample(slab, (0.4,), (0, 0, radians(30))),
-    "pane": Sample(pane, (0.35, 0.0), make_world=sun),
+    "sunlit_slab": Sample(sunlit_slab, (0.35, 0.0), make_world=sun),
     "globe": Sample(globe, (land_and_water,), (0, 0, radians(60))),
-    "window": Sample(window, (etched,), make_lamp=lamp),
-    "coated": Sample(monkey, (lacquer,)),
+    "pane": Sample(pane, (etched,), make_lamp=lamp),
+    "coated": Sample(kitten, (lacquer,), (0, 0, radians(-18))),
     "coated_grid": Sample(coated_grid, ()),
     "gem": Sample(gem, (0.25,), (radians(42), radians(-12), 0)),
 }

@@ -172,7 +172,8 @@ void Renderer::Device::prepare(const Scene& scene, const Settings& settings, Can
         const bool new_roughness = textures_.update(scene.materials, settings.roughness_classes);
         return reliefs_.update(scene.materials) || new_roughness;
     });
-    seconds["tables"] = seconds_of([&] { return materials_.update(scene.materials, textures_); });
+    seconds["tables"] =
+        seconds_of([&] { return materials_.update(scene.materials, textures_, settings.lobes); });
     seconds["environment"] = seconds_of([&] { return environment_.update(scene.environment_map); });
     lights_.update(scene.lights, scene.camera.view);
     if (!pyramid_ && RefractionPass::needs_pyramid(settings)) pyramid_ = std::make_unique<PyramidPass>();

@@ -8,7 +8,7 @@ struct Material {
     vec4 reflection_ior;
     vec4 absorption;  // w: above 0 where lobes have tails (lib/bundle.glsl), below 0 for thin layers
     uint class_roughness[MAX_ROUGHNESS_CLASSES / 2];  // two in each; ascending; the last one repeats itself
-    ivec4 tables;  // entering, leaving, reflection outside and inside (-1: none)
+    ivec4 tables;  // or kinds of lobes: entering, leaving, reflection outside and inside (-1: none)
 };
 
 // Of four classes in a row, from class 4 * layer on. Packed, as software OpenGL takes long to read from buffers.

@@ -7,7 +7,7 @@
 // and CLASS_LAYERS (coverage.glsl) where its classes on the back count.
 #include "local_lights.glsl"
 #include "screen_space.glsl"
-#include "lobe_tables.glsl"
+#include "lobes.glsl"
 #include "coverage.glsl"
 #include "lib/bundle.glsl"
 #include "lib/specular.glsl"
@@ -165,14 +165,14 @@ vec3 incoming_radiance(float energy, vec3 vector, float spread) {
 
 // Each class with the spread that its lobe has in the mean of the angles of incidence. behind: of the exits.
 vec3 radiance_of(ClassSums sums, Material behind) {
-    float x = sums.table_x / max(sums.energy, 1e-12);
+    float eta = 1.0 / behind.reflection_ior.w;
+    float cos_theta = lobe_table_cosine(sums.table_x / max(sums.energy, 1e-12), eta);
     vec3 sum = vec3(0.0);
     for (int c = 0; c < CLASSES; ++c) {
         float energy = sums.energies[c / 4][c % 4];
         if (energy <= 0.0) continue;
         float roughness = sqrt(sqrt(sums.variances[c / 4][c % 4] / energy));
-        vec4 node = sample_lobe_table(behind.tables.y, x, lobe_table_y(roughness));
-        float spread = lobe_spread(node, roughness);
+        float spread = planar_lobe(behind.tables.y, cos_theta, eta, roughness).spread;
         vec3 vector = sums.vectors[c / 4][c % 4];
         bool tail = has_tail(behind);
         vec3 incoming = incoming_radiance(energy, vector, tail ? widened_spread(spread, CORE_WIDTH) : spread);

@@ -15,7 +15,7 @@ layout(location = 0) out vec4 radiance;
 #ifdef PANE
 const int SHADED_KIND = KIND_PANE;
 
-#include "lobe_tables.glsl"
+#include "lobes.glsl"
 #include "lib/spherical_warping.glsl"
 #include "lib/pane.glsl"
 #include "lib/pane_lookup.glsl"

@@ -34,10 +34,13 @@ SCREEN_SPACE = ("bundle", *BASELINES)
 DEFAULT = ("bundle", TRACED, *BASELINES)
 """What is compared unless one chooses."""
 
+ANALYTIC = "analytic"
+"""bundle with lobes in closed form, whatever the file's are: core.Settings.lobes."""
+
 TIR_MODES = {"tir_none": 'NONE', "tir_incident": 'INCIDENT', "tir_clamp": 'CLAMP', "tir_bounce": 'BOUNCE'}
 """bundle with another mode of total internal reflection than the file's: core.Settings.tir."""
 
-REAL_TIME = (*DEFAULT, *TIR_MODES)
+REAL_TIME = (*DEFAULT, ANALYTIC, *TIR_MODES)
 
 PATH_TRACED = ("reference", "cycles", "cycles_denoised")
 """Methods with noise, which falls with their samples."""
@@ -134,6 +137,9 @@ class Subject:
             result.paths = 'TWO_INTERFACE'
             if not conditions.tir:
                 result.tir = 'NONE'
+        if method == ANALYTIC:
+            result.transport = 'BUNDLE'
+            result.lobes = 'ANALYTIC'
         if method in TIR_MODES:
             result.transport = 'BUNDLE'
             result.tir = TIR_MODES[method]

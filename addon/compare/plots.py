@@ -18,9 +18,9 @@ COLORS = {
     "truth": "#808080", "bundle": "#d55e00", "traced": "#c1121f", "paper": "#0072b2", "single": "#56b4e9",
     "depth_mip": "#009e73", "specular": "#e69f00", "reference": "#cc79a7", "cycles": "#8c6bb1",
     "cycles_denoised": "#4d9221", "eevee": "#a6761d", "tir_none": "#1b1b1b", "tir_incident": "#7fa6c9",
-    "tir_clamp": "#f0a58f", "tir_bounce": "#6a3d9a",
+    "tir_clamp": "#f0a58f", "tir_bounce": "#6a3d9a", "analytic": "#b8a300",
 }
-"""Of lines and points: Okabe and Ito's palette, which colour-blind readers can tell apart, and eight more."""
+"""Of lines and points: Okabe and Ito's palette, which colour-blind readers can tell apart, and nine more."""
 
 LETTERING = "#808080"
 

@@ -49,6 +49,7 @@ def viewport(scene: bpy.types.Scene, width: int, height: int) -> core.Settings:
     settings.background_alpha = 0.0 if scene.render.film_transparent else 1.0
     settings.transport = scene.verglas.transport
     settings.intersection = scene.verglas.intersection
+    settings.lobes = scene.verglas.lobes
     settings.tir = scene.verglas.tir
     settings.back_roughness = scene.verglas.back_roughness
     settings.roughness_classes = scene.verglas.roughness_classes

@@ -10,13 +10,12 @@
 
 namespace verglas::model {
 
-// The part of shaders/lib that reads lobe tables, for C++. Any number of threads may look up at the same
-// time.
+// The part of shaders/lib that looks up the lobes of interfaces by number, for C++. Any number of threads may
+// look up at the same time.
 class LobeModel {
-    // Its functions aren't const, for which GLSL has no word.
-    struct Lookup {
+    // Their functions aren't const, for which GLSL has no word.
+    struct TableLookup {
         const std::vector<LobeSlice>& tables;
-        const std::vector<vec4>& coating_rows;
 
         // Bilinear interpolation, as GL_LINEAR does with nodes at the centres of texels.
         vec4 sample_lobe_table(int table, float x, float y) const {
@@ -30,58 +29,52 @@ class LobeModel {
                        row - static_cast<float>(j));
         }
 
-        // Likewise, of CoatingSet::rows().
-        vec4 sample_coating_rows(float column, float row) const {
-            constexpr int width = COATING_ITEMS * COATING_ANGLES;
-            const int i = std::min(static_cast<int>(column), width - 2);
-            const int j = static_cast<int>(row);
-            const float t = column - static_cast<float>(i);
-            const float s = row - static_cast<float>(j);
-            const vec4* node = &coating_rows[std::size_t(j) * width + i];
-            const vec4 value = mix(node[0], node[1], t);
-            return s > 0.0F ? mix(value, mix(node[width], node[width + 1], t), s) : value;
-        }
-
-#include "shaders/lib/coated_lookup.glsl"
+// clang-format off
+#include "shaders/lib/table_lobe.glsl"
 #include "shaders/lib/lobe_lookup.glsl"
 #include "shaders/lib/pane_lookup.glsl"
+        // clang-format on
     };
 
+    struct AnalyticLookup {
+        PlanarLobe planar_lobe(int kind, float cos_theta, float eta, float roughness) const {
+            return analytic_lobe(kind, cos_theta, eta, roughness);
+        }
+
+// clang-format off
+#include "shaders/lib/lobe_lookup.glsl"
+#include "shaders/lib/pane_lookup.glsl"
+        // clang-format on
+    };
+
+    template <typename Question>
+    auto ask(Question question) const {
+        return is_analytic_ ? question(AnalyticLookup{}) : question(TableLookup{tables_});
+    }
+
   public:
-    // coating_rows: CoatingSet::rows(); may be empty where nothing is coated.
-    explicit LobeModel(std::vector<LobeSlice> tables, std::vector<vec4> coating_rows = {})
-        : tables_(std::move(tables)), coating_rows_(std::move(coating_rows)) {}
-
-    Lobe reflected_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n) const {
-        return lookup().reflected_lobe(table, eta, roughness, d, n);
-    }
-    Lobe refracted_lobe(int table, float eta, float roughness, const vec3& d, const vec3& n, int tir) const {
-        return lookup().refracted_lobe(table, eta, roughness, d, n, tir);
+    explicit LobeModel(std::vector<LobeSlice> tables) : tables_(std::move(tables)) {}
+    // Without tables: numbers are those of analytic_lobe_kind.
+    static LobeModel analytic() {
+        LobeModel model({});
+        model.is_analytic_ = true;
+        return model;
     }
 
-    CoatingPlace coating_place(const Coating& coating, const vec3& d, const vec3& n) const {
-        return lookup().coating_place(coating, d, n);
+    Lobe reflected_lobe(int number, float eta, float roughness, const vec3& d, const vec3& n) const {
+        return ask([&](auto lookup) { return lookup.reflected_lobe(number, eta, roughness, d, n); });
     }
-    CoatingLight coating_light(const CoatingPlace& place) const { return lookup().coating_light(place); }
-    int coating_parts(const CoatingTable& table, int group) const {
-        return lookup().coating_parts(table, group);
+    Lobe refracted_lobe(int number, float eta, float roughness, const vec3& d, const vec3& n, int tir) const {
+        return ask([&](auto lookup) { return lookup.refracted_lobe(number, eta, roughness, d, n, tir); });
     }
-    vec4 coating_part(const CoatingPlace& place, int group, int part) const {
-        return lookup().coating_part(place, group, part);
-    }
-    Lobe coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group, const vec4& part,
-                      float side) const {
-        return lookup().coating_lobe(table, place, group, part, side);
-    }
+
     PaneLobes pane_lobes(const Pane& pane, const vec3& d, const vec3& n) const {
-        return lookup().pane_lobes(pane, d, n);
+        return ask([&](auto lookup) { return lookup.pane_lobes(pane, d, n); });
     }
 
   private:
-    Lookup lookup() const { return {tables_, coating_rows_}; }
-
     std::vector<LobeSlice> tables_;
-    std::vector<vec4> coating_rows_;
+    bool is_analytic_ = false;
 };
 
 }  // namespace verglas::model

@@ -17,11 +17,10 @@ enum class Ndf : int {
     BlinnPhong = model::NDF_BLINN_PHONG,
 };
 
-// What an interface does with light; the two refractions differ in their weight.
 enum class LobeEvent : int {
-    Refract,         // weighted with 1 - F: glass
-    RefractWithout,  // without Fresnel factor: Blender's Refraction BSDF
-    Reflect,         // weighted with F
+    Refract = model::EVENT_REFRACT,
+    RefractWithout = model::EVENT_REFRACT_WITHOUT,
+    Reflect = model::EVENT_REFLECT,
 };
 constexpr int lobe_event_count = 3;
 

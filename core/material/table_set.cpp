@@ -28,18 +28,21 @@ std::vector<float> relative_indices(const Material& material, const std::vector<
 
 }  // namespace
 
-bool TableSet::update(const std::vector<Material>& materials) {
+bool TableSet::update(const std::vector<Material>& materials, Lobes lobes) {
+    const bool other_lobes = lobes != lobes_;
+    lobes_ = lobes;
     std::vector<SliceKey> keys;
     of_materials_.clear();
     for (const Material& material : materials) {
         const LobeEvent refraction = material.fresnel ? LobeEvent::Refract : LobeEvent::RefractWithout;
         std::vector<InterfaceTables>& tables = of_materials_.emplace_back();
         for (const float eta : relative_indices(material, materials)) {
-            tables.push_back({eta, slice_of(material.ndf, eta, refraction, keys),
-                              material.fresnel ? slice_of(material.ndf, eta, LobeEvent::Reflect, keys) : -1});
+            tables.push_back(
+                {eta, number_of(material.ndf, eta, refraction, keys),
+                 material.fresnel ? number_of(material.ndf, eta, LobeEvent::Reflect, keys) : -1});
         }
     }
-    if (keys == keys_) return false;
+    if (keys == keys_ && !other_lobes) return false;
     keys_ = std::move(keys);
     slices_.clear();
     for (const auto& [ndf, eta, event] : keys_) {
@@ -50,12 +53,18 @@ bool TableSet::update(const std::vector<Material>& materials) {
     return true;
 }
 
-int TableSet::slice_of(Ndf ndf, float eta, LobeEvent event, std::vector<SliceKey>& keys) const {
+int TableSet::number_of(Ndf ndf, float eta, LobeEvent event, std::vector<SliceKey>& keys) const {
+    if (lobes_ == Lobes::Analytic)
+        return model::analytic_lobe_kind(static_cast<int>(ndf), static_cast<int>(event));
     const SliceKey key(ndf, eta, event);
     const auto found = std::find(keys.begin(), keys.end(), key);
     if (found != keys.end()) return static_cast<int>(found - keys.begin());
     keys.push_back(key);
     return static_cast<int>(keys.size()) - 1;
+}
+
+model::LobeModel TableSet::model() const {
+    return lobes_ == Lobes::Analytic ? model::LobeModel::analytic() : model::LobeModel(slices_);
 }
 
 const InterfaceTables& TableSet::tables(int material, float eta) const {

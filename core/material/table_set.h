@@ -9,12 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/material/lobe_model.h"
 #include "core/material/lobe_tables.h"
 #include "core/scene/scene.h"
+#include "core/scene/settings.h"
 
 namespace verglas {
 
-// Of one material at one relative index: which slices hold its lobes, -1 where it has none.
+// Of one material at one relative index: which slices hold its lobes, or with analytic lobes their kinds
+// (model::analytic_lobe_kind); -1 where it has none.
 struct InterfaceTables {
     float eta = 1.0F;  // n_behind / n_before
     int refraction = -1;
@@ -27,10 +30,11 @@ class TableSet {
     // cache_folder: of LobeTables::load_or_build.
     explicit TableSet(std::filesystem::path cache_folder) : cache_folder_(std::move(cache_folder)) {}
 
-    // Whether the slices have changed.
-    bool update(const std::vector<Material>& materials);
+    // Whether the slices have changed. Analytic lobes need none.
+    bool update(const std::vector<Material>& materials, Lobes lobes);
 
     const std::vector<LobeSlice>& slices() const { return slices_; }
+    model::LobeModel model() const;
 
     // The tables of a material at a relative index: one of those at which light can meet it, entering or
     // leaving.
@@ -39,9 +43,10 @@ class TableSet {
   private:
     using SliceKey = std::tuple<Ndf, float, LobeEvent>;  // distribution, relative index, event
 
-    int slice_of(Ndf ndf, float eta, LobeEvent event, std::vector<SliceKey>& keys) const;
+    int number_of(Ndf ndf, float eta, LobeEvent event, std::vector<SliceKey>& keys) const;
 
     std::filesystem::path cache_folder_;
+    Lobes lobes_ = Lobes::Table;
     std::map<Ndf, std::shared_ptr<const LobeTables>> tables_;
     std::vector<SliceKey> keys_;
     std::vector<LobeSlice> slices_;

@@ -232,9 +232,10 @@ RoughnessClasses roughness_classes(const Material& material, const TextureCache&
     return result;
 }
 
-bool MaterialCache::update(const std::vector<Material>& materials, const TextureCache& textures) {
+bool MaterialCache::update(const std::vector<Material>& materials, const TextureCache& textures,
+                           Lobes lobes) {
     const gl::PassScope scope("upload of materials");
-    const bool changed = tables_.update(materials);
+    const bool changed = tables_.update(materials, lobes);
     const bool coatings_changed = coatings_.update(materials);
     std::vector<MaterialData> data;
     std::vector<LayerData> layers;
@@ -272,6 +273,7 @@ void MaterialCache::upload_coatings() {
 
 void MaterialCache::upload_tables() {
     const std::vector<LobeSlice>& slices = tables_.slices();
+    if (slices.empty()) return;
     lobe_tables_ = gl::Texture(GL_RGBA32F, model::LOBE_COSINES, model::LOBE_ROUGHNESSES, GL_LINEAR, 1,
                                static_cast<int>(slices.size()));
     for (int layer = 0; layer < static_cast<int>(slices.size()); ++layer) {

@@ -96,11 +96,12 @@ class MaterialCache {
     // cache_folder: of LobeTables::load_or_build.
     explicit MaterialCache(std::filesystem::path cache_folder) : tables_(std::move(cache_folder)) {}
     // Whether the tables have changed.
-    bool update(const std::vector<Material>& materials, const TextureCache& textures);
+    bool update(const std::vector<Material>& materials, const TextureCache& textures, Lobes lobes);
     const gl::Buffer& buffer() const { return buffer_; }
     bool has_thin_layers() const { return has_thin_layers_; }
     // Where it has some: of all materials, those parts.
     const gl::Buffer& layers() const { return layers_; }
+    // None with analytic lobes.
     const gl::Texture& lobe_tables() const { return lobe_tables_; }
     // Where anything is coated: CoatingSet::rows().
     const gl::Texture& coating_rows() const { return coating_rows_; }

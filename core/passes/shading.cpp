@@ -63,6 +63,15 @@ void set_lights(const gl::Program& program, const LightBuffer& lights) {
     if (lights.count() > 0) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, lights.buffer().id());
 }
 
+void set_lobes(const gl::Program& program, const ShadingInputs& inputs, const MaterialCache& materials) {
+    if (inputs.settings.lobes == Lobes::Table)
+        set_texture(program, "lobe_tables", tables_unit, materials.lobe_tables());
+}
+
+void define_lobes(std::vector<std::string>& defines, Lobes lobes) {
+    if (lobes == Lobes::Analytic) defines.emplace_back("ANALYTIC_LOBES");
+}
+
 // The uniforms of shaders/screen_space.glsl.
 void set_screen_space(const gl::Program& program, const ShadingInputs& inputs) {
     set_texture(program, "front_faces", front_unit, inputs.front.texels());
@@ -94,8 +103,8 @@ bool RefractionPass::follows_reflections(const Settings& settings) {
 }
 
 const gl::Program& RefractionPass::program(const Settings& settings, RoughnessData front, int classes) {
-    const std::tuple key(settings.transport, settings.intersection, follows_reflections(settings), front,
-                         classes);
+    const std::tuple key(settings.transport, settings.intersection, settings.lobes,
+                         follows_reflections(settings), front, classes);
     const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
     constexpr const char* transports[] = {"TRANSPORT_BUNDLE", "TRANSPORT_PAPER", "TRANSPORT_SINGLE",
@@ -103,6 +112,7 @@ const gl::Program& RefractionPass::program(const Settings& settings, RoughnessDa
     constexpr const char* intersections[] = {"INTERSECTION_NEWTON", "INTERSECTION_MARCH"};
     std::vector<std::string> defines = {transports[static_cast<int>(settings.transport)],
                                         intersections[static_cast<int>(settings.intersection)]};
+    define_lobes(defines, settings.lobes);
     if (needs_layers(settings)) defines.emplace_back("LAYERS");
     if (front != RoughnessData::None) defines.emplace_back("FRONT_ROUGHNESS");
     if (classes > 0) {
@@ -130,7 +140,7 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
     set_lights(shader, inputs.lights);
     set_screen_space(shader, inputs);
     set_texture(shader, "back_faces", back_unit, back.farthest.texels());
-    set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
+    set_lobes(shader, inputs, materials);
     if (back_data != RoughnessData::None)
         set_texture(shader, "back_classes", back_classes_unit, back.class_pyramid);
     if (inputs.front.roughness_data() != RoughnessData::None)
@@ -160,13 +170,13 @@ void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& tar
                          const MaterialCache& materials, const ViewGroup& group, int number) {
     for (const MaterialKind kind : {MaterialKind::Pane, MaterialKind::Coated}) {
         if (!group.has(kind)) continue;
-        const gl::Program& shader = program(kind);
+        const gl::Program& shader = program(kind, inputs.settings.lobes);
         shader.use();
         set_environment(shader, inputs);
         set_lights(shader, inputs.lights);
         set_screen_space(shader, inputs);
         if (kind == MaterialKind::Pane)
-            set_texture(shader, "lobe_tables", tables_unit, materials.lobe_tables());
+            set_lobes(shader, inputs, materials);
         else
             set_texture(shader, "coating_rows", coatings_unit, materials.coating_rows());
         set_texture(shader, "front_roughness", front_roughness_unit, inputs.front.roughness());
@@ -182,11 +192,13 @@ void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& tar
     }
 }
 
-const gl::Program& ThinLayerPass::program(MaterialKind kind) {
-    const auto found = programs_.find(kind);
+const gl::Program& ThinLayerPass::program(MaterialKind kind, Lobes lobes) {
+    const std::pair key(kind, lobes);
+    const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
-    const std::vector<std::string> defines = {kind == MaterialKind::Pane ? "PANE" : "COATED"};
-    return programs_.emplace(kind, gl::Program("full_screen.vert.glsl", "thin_layers.frag.glsl", defines))
+    std::vector<std::string> defines = {kind == MaterialKind::Pane ? "PANE" : "COATED"};
+    define_lobes(defines, lobes);
+    return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "thin_layers.frag.glsl", defines))
         .first->second;
 }
 

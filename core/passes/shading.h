@@ -3,7 +3,6 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <tuple>
 
 #include "core/gl/objects.h"
@@ -66,7 +65,7 @@ class RefractionPass {
     // classes: of the back; 0 where one roughness stands for all of it.
     const gl::Program& program(const Settings& settings, RoughnessData front, int classes);
 
-    std::map<std::tuple<Transport, Intersection, bool, RoughnessData, int>, gl::Program> programs_;
+    std::map<std::tuple<Transport, Intersection, Lobes, bool, RoughnessData, int>, gl::Program> programs_;
     gl::VertexArray empty_;
 };
 
@@ -78,9 +77,9 @@ class ThinLayerPass {
               const ViewGroup& group, int number);
 
   private:
-    const gl::Program& program(MaterialKind kind);
+    const gl::Program& program(MaterialKind kind, Lobes lobes);
 
-    std::map<MaterialKind, gl::Program> programs_;  // from when they are needed first
+    std::map<std::pair<MaterialKind, Lobes>, gl::Program> programs_;  // each from when it is needed first
     gl::VertexArray empty_;
 };
 

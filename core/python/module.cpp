@@ -81,6 +81,7 @@ constexpr std::array<const char*, 3> normal_space_names = {"TANGENT", "OBJECT", 
 constexpr std::array<const char*, 2> interpolation_names = {"LINEAR", "CLOSEST"};
 constexpr std::array<const char*, 5> transport_names = {"BUNDLE", "PAPER", "SINGLE", "DEPTH_MIP", "SPECULAR"};
 constexpr std::array<const char*, 2> intersection_names = {"NEWTON", "MARCH"};
+constexpr std::array<const char*, 2> lobes_names = {"TABLE", "ANALYTIC"};
 constexpr std::array<const char*, 2> path_mode_names = {"TWO_INTERFACE", "FULL"};
 constexpr std::array<const char*, 3> layer_model_names = {"RECURSIVE", "ENDF", "WEIDLICH_WILKIE"};
 constexpr std::array<const char*, 2> back_roughness_names = {"SIMPLE", "COVERAGE"};
@@ -256,15 +257,19 @@ struct BeamOnFacets {
 void bind_material_model(py::module_& module) {
     module.def(
         "interface_lobe",
-        [](const std::string& ndf, float roughness, float eta, float cos_theta_o, const std::string& event) {
+        [](const std::string& ndf, float roughness, float eta, float cos_theta_o, const std::string& event,
+           const std::string& lobes) {
             const auto ndf_value = enum_of<Ndf>(ndf_names, ndf);
             const auto event_value = enum_of<LobeEvent>(lobe_event_names, event);
+            const auto lobes_value = enum_of<Lobes>(lobes_names, lobes);
             const py::gil_scoped_release release;
-            const model::Lobe lobe = interface_lobe(ndf_value, roughness, eta, cos_theta_o, event_value);
+            const model::Lobe lobe =
+                interface_lobe(ndf_value, roughness, eta, cos_theta_o, event_value, lobes_value);
             const glm::vec3& p = lobe.direction;
             return std::tuple(lobe.energy, model::kappa_from_spread(lobe.spread), std::array{p.x, p.y, p.z});
         },
-        py::arg("ndf"), py::arg("roughness"), py::arg("eta"), py::arg("cos_theta_o"), py::arg("event"));
+        py::arg("ndf"), py::arg("roughness"), py::arg("eta"), py::arg("cos_theta_o"), py::arg("event"),
+        py::arg("lobes") = lobes_names[0]);
     module.def(
         "warped_beam",
         [](float kappa_o, float kappa_m, float cos_theta_o, std::optional<float> eta) {
@@ -476,6 +481,7 @@ void bind_settings(py::module_& module) {
         .def_readwrite("threads", &Settings::threads);
     def_enum(settings, "transport", &Settings::transport, transport_names);
     def_enum(settings, "intersection", &Settings::intersection, intersection_names);
+    def_enum(settings, "lobes", &Settings::lobes, lobes_names);
     def_enum(settings, "tir", &Settings::tir, tir_names);
     def_enum(settings, "back_roughness", &Settings::back_roughness, back_roughness_names);
     def_enum(settings, "paths", &Settings::paths, path_mode_names);

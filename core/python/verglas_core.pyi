@@ -19,14 +19,15 @@ class Error(RuntimeError):
     """A fault with one sentence for the user; it names the object, material, file or pass."""
 
 def interface_lobe(
-    ndf: str, roughness: float, eta: float, cos_theta_o: float, event: str
+    ndf: str, roughness: float, eta: float, cos_theta_o: float, event: str, lobes: str = "TABLE"
 ) -> tuple[float, float, tuple[float, float, float]]:
     """The spherical Gaussian that the renderer takes for what one rough interface sends to the viewer: its energy,
     its concentration kappa and its unit axis, in the frame n = +Z, o = (sin theta_o, 0, cos theta_o).
 
     ndf: as Material.ndf. roughness: 0 … 1. eta: n_behind / n_before, clamped to 1/3 … 3. cos_theta_o: 0 … 1.
     event: 'REFRACT' (weighted with 1 - F), 'REFRACT_WITHOUT_FRESNEL' or 'REFLECT'. Beyond the critical angle a
-    refraction keeps what the rough interface lets through. Raises Error for values out of range."""
+    refraction keeps what the rough interface lets through. lobes: as Settings.lobes. Raises Error for values out of
+    range."""
 
 def warped_beam(
     kappa_o: float, kappa_m: float, cos_theta_o: float, eta: float | None = None
@@ -279,6 +280,10 @@ class Settings:
     of smooth glass (Wyman 2005): no blur, and energies 1 - F."""
     intersection: str
     """'NEWTON' (default) or 'MARCH'."""
+    lobes: str
+    """Where the lobes of interfaces come from: 'TABLE' (default), tables of the BSDF of Walter et al. (2007), built
+    once for each distribution of normals; 'ANALYTIC', closed forms (Guo et al. 2016), with nothing to build or to
+    load, less exact."""
     tir: str
     """Total internal reflection: 'NONE', 'INCIDENT', 'CLAMP' (default) or 'BOUNCE', which follows the light that
     materials with Fresnel reflection reflect inside, totally or in part, from exit to exit, whatever `reflection`

@@ -10,6 +10,9 @@ namespace verglas {
 // whose interfaces refract sharply.
 enum class Transport { Bundle, Paper, Single, DepthMip, Specular };
 enum class Intersection { Newton, March };
+// Where the lobes of interfaces come from: from tables of Walter et al.'s BSDF, or in closed form, with
+// nothing to build or to load (shaders/lib/analytic_lobe.glsl).
+enum class Lobes { Table, Analytic };
 // What becomes of rays beyond the critical angle: as TIR_* of shaders/lib/constants.glsl; Bounce
 // (Transport::Bundle and Intersection::Newton, else as Clamp) follows all that is reflected inside, as
 // shaders/bounce.glsl does it.
@@ -68,6 +71,7 @@ struct Settings {
     float filter_width = 1.5F;  // of the Blackman-Harris filter, pixels
     Transport transport = Transport::Bundle;
     Intersection intersection = Intersection::Newton;
+    Lobes lobes = Lobes::Table;
     Tir tir = Tir::Clamp;
     BackRoughness back_roughness = BackRoughness::Coverage;
     int roughness_classes = 4;  // at most, of a texture: 2 … 8

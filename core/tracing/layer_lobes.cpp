@@ -56,7 +56,7 @@ void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm:
                             const glm::vec3& n) {
     const Material& material = scene.scene().materials[hit.material];
     const Layer& layer = material.layer;
-    const model::LobeModel& lobes = scene.lobes();
+    const model::CoatingModel& lobes = scene.coating_lobes();
     const model::Coating coating{.table = scene.coating_table(hit.material),
                                  .outer_roughness = roughness_at(material, hit),
                                  .base_roughness = inner_roughness_at(material, hit),

@@ -150,7 +150,7 @@ bool TracedRenderer::Picture::over(const Rect& rect, const Progress& progress, W
 
 bool TracedRenderer::Picture::grow(int samples, const Progress& progress) {
     const std::lock_guard lock(device_->rendering);
-    arena_->execute([&] { device_->scene.update(scene_); });
+    arena_->execute([&] { device_->scene.update(scene_, settings_.lobes); });
     if (samples_ == 0) prepare_seconds_ = device_->scene.seconds();
     const Clock::time_point begin = Clock::now();
     bool go_on = samples_ > 0 || trace_first(progress);
@@ -186,7 +186,7 @@ bool TracedRenderer::Picture::draw(int sample, const Progress& progress) {
 
 std::optional<Frame> TracedRenderer::Picture::frame(const Progress& progress) {
     const std::lock_guard lock(device_->rendering);
-    arena_->execute([&] { device_->scene.update(scene_); });
+    arena_->execute([&] { device_->scene.update(scene_, settings_.lobes); });
     const Clock::time_point begin = Clock::now();
     const Rect rect = rendered_rect(settings_.size, settings_.region);
     Frame frame;

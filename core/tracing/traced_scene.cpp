@@ -22,16 +22,15 @@ double seconds_of(Work work) {
 
 TracedScene::TracedScene() : tables_(user_cache_folder()) {}
 
-void TracedScene::update(const Scene& scene) {
+void TracedScene::update(const Scene& scene, Lobes lobes) {
     scene_ = &scene;
     has_shadows_ = std::any_of(scene.materials.begin(), scene.materials.end(), [](const Material& material) {
         return material.kind == MaterialKind::Coated;
     });
     seconds_["meshes"] = seconds_of([&] { rays_.update(scene); });
     seconds_["tables"] = seconds_of([&] {
-        const bool coatings_changed = coatings_.update(scene.materials);
-        if (tables_.update(scene.materials) || coatings_changed || !lobes_)
-            lobes_.emplace(tables_.slices(), coatings_.rows());
+        if (tables_.update(scene.materials, lobes) || !lobes_) lobes_ = tables_.model();
+        if (coatings_.update(scene.materials) || !coating_lobes_) coating_lobes_.emplace(coatings_.rows());
         update_roughness(scene);
     });
     seconds_["environment"] = seconds_of([&] { update_environment(scene.environment_map); });

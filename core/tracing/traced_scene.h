@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/environment/environment_model.h"
+#include "core/material/coating_model.h"
 #include "core/material/coating_set.h"
 #include "core/material/lobe_model.h"
 #include "core/material/table_set.h"
@@ -25,14 +26,15 @@ class TracedScene {
     TracedScene();
 
     // Follows the scene, which must outlive the questions, and builds only what has changed. Throws Error.
-    void update(const Scene& scene);
+    void update(const Scene& scene, Lobes lobes);
 
     const Scene& scene() const { return *scene_; }
     const RayScene& rays() const { return rays_; }
     const model::LobeModel& lobes() const { return *lobes_; }
     const InterfaceTables& tables(int material, float eta) const { return tables_.tables(material, eta); }
 
-    // Of a coated material.
+    // Of coatings, whose tables they are, whatever gives the lobes of interfaces.
+    const model::CoatingModel& coating_lobes() const { return *coating_lobes_; }
     const model::CoatingTable& coating_table(int material) const { return coatings_.table(material); }
 
     // The least roughness of any material, 0 … 1.
@@ -74,6 +76,7 @@ class TracedScene {
     RayScene rays_;
     TableSet tables_;
     CoatingSet coatings_;
+    std::optional<model::CoatingModel> coating_lobes_;
     std::optional<model::LobeModel> lobes_;
     float least_roughness_ = 0.0F;
     std::vector<char> varies_;  // by Scene::objects

@@ -9,6 +9,13 @@ const int NDF_BECKMANN = 0;
 const int NDF_GGX = 1;
 const int NDF_BLINN_PHONG = 2;
 
+const int NDF_COUNT = 3;
+
+// What a rough interface does with light.
+const int EVENT_REFRACT = 0;          // weighted with 1 - F: glass
+const int EVENT_REFRACT_WITHOUT = 1;  // without Fresnel factor: Blender's Refraction BSDF
+const int EVENT_REFLECT = 2;          // weighted with F
+
 // Greatest roughness, kappa = 1: of coatings; glass has up to 1.
 const float MAX_ROUGHNESS = 1.1892071f;
 

@@ -18,6 +18,15 @@ struct Lobe {
     vec3 direction;
 };
 
+// A lobe in the plane of incidence of its interface. Its unit mean direction has the cosine `away` to the normal on the
+// lobe's side and `along` to the tangent that points as the light of the viewer's ray would go on.
+struct PlanarLobe {
+    float energy;
+    float spread;
+    float along;
+    float away;
+};
+
 // Table axis of the cosine. Energy and angle go like the square root of the distance from grazing (eta >= 1)
 // or from the critical angle (eta < 1, at x = 1/2), so the axis does too.
 SHARED float lobe_table_x(float cos_theta, float eta) {

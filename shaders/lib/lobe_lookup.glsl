@@ -1,30 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Lobes from the tables of lobe.glsl. The including code provides
-//     vec4 sample_lobe_table(int table, float x, float y)
-// with linear interpolation between nodes, x and y in 0 … 1.
+// Lobes of an interface in its place. The including code provides
+//     PlanarLobe planar_lobe(int number, float cos_theta, float eta, float roughness)
+// number: of a table (table_lobe.glsl) or of an analytic lobe (analytic_lobe.glsl).
+// d: unit direction of propagation from the viewer; n: unit normal that faces the viewer (d.n < 0).
 
-SHARED float lobe_spread(vec4 node, float roughness) {
-    float alpha = alpha_from_roughness(roughness);
-    return clamp(exp2(node.y) * alpha * alpha, LOBE_MIN_SPREAD, 1.0f);
-}
-
-// Lobe of a table in the frame of an interface: d, unit direction of propagation from the viewer; n, unit
-// normal that faces the viewer (d.n < 0); side: +1 for reflection, -1 for refraction, the sign of the lobe's
-// own cosine to n. cos_theta may differ from -d.n (clamped rays).
-SHARED Lobe lobe_from_table(int table, float cos_theta, float eta, float roughness, vec3 d, vec3 n, float side) {
-    vec4 node = sample_lobe_table(table, lobe_table_x(cos_theta, eta), lobe_table_y(roughness));
-    // Its length is the sine of d; a clamped ray's is that of the clamped cosine.
+// side: +1 for reflection, -1 for refraction, the sign of the lobe's own cosine to n.
+SHARED Lobe lobe_in_place(PlanarLobe planar, vec3 d, vec3 n, float side) {
     vec3 tangent = d - dot(d, n) * n;
-    float stretch = sqrt((1.0f - cos_theta * cos_theta) / max(dot(tangent, tangent), 1e-12f));
     Lobe lobe;
-    lobe.energy = node.x;
-    lobe.spread = lobe_spread(node, roughness);
-    lobe.direction = normalize(node.z * stretch * tangent + side * node.w * n);
+    lobe.energy = planar.energy;
+    lobe.spread = planar.spread;
+    lobe.direction = normalize(planar.along / sqrt(max(dot(tangent, tangent), 1e-12f)) * tangent +
+                               side * planar.away * n);
     return lobe;
 }
 
-SHARED Lobe reflected_lobe(int table, float eta, float roughness, vec3 d, vec3 n) {
-    return lobe_from_table(table, clamp(-dot(d, n), 0.0f, 1.0f), eta, roughness, d, n, 1.0f);
+SHARED Lobe reflected_lobe(int number, float eta, float roughness, vec3 d, vec3 n) {
+    return lobe_in_place(planar_lobe(number, clamp(-dot(d, n), 0.0f, 1.0f), eta, roughness), d, n, 1.0f);
 }
 
 // tir: TIR_NONE leaves what the rough interface still lets through; TIR_INCIDENT goes straight on, with the
@@ -34,9 +26,9 @@ SHARED float refracted_cosine(float eta, vec3 d, vec3 n, int tir) {
     return tir == TIR_NONE ? cos_theta : max(cos_theta, critical_cosine(eta));
 }
 
-SHARED Lobe refracted_lobe(int table, float eta, float roughness, vec3 d, vec3 n, int tir) {
+SHARED Lobe refracted_lobe(int number, float eta, float roughness, vec3 d, vec3 n, int tir) {
     float cos_theta = refracted_cosine(eta, d, n, tir);
-    Lobe lobe = lobe_from_table(table, cos_theta, eta, roughness, d, n, -1.0f);
+    Lobe lobe = lobe_in_place(planar_lobe(number, cos_theta, eta, roughness), d, n, -1.0f);
     if (tir == TIR_INCIDENT && cos_theta > clamp(-dot(d, n), 0.0f, 1.0f)) lobe.direction = d;
     return lobe;
 }

@@ -2,7 +2,8 @@
 // A thin pane: two rough sides of a sheet of glass that moves no light aside.
 
 struct Pane {
-    // Slices of the lobe tables: of the glass from outside and from within; reflections are -1 without Fresnel.
+    // Numbers of lobes (lobe_lookup.glsl): of the glass from outside and from within; reflections are -1 without
+    // Fresnel.
     int entering;
     int leaving;
     int reflection_outside;

@@ -40,6 +40,7 @@ def measure(quick: bool, progress) -> dict:
         "pixels": scaling.by_pixels(plan, progress),
         "threads": scaling.by_threads(plan, progress),
         "roughness": scaling.by_roughness(plan, progress),
+        "lobes": scaling.by_lobes(plan, progress),
         "updates": updates.steps(plan, progress),
         "preparation": preparation.steps(plan, progress),
         "engines": engines.engines(plan, progress, notes),

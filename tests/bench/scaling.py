@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cost of a frame: of several models, against triangles, pixels and threads, and by what is known of a
-roughness that varies."""
+"""The cost of a frame: of several models, against triangles, pixels and threads, by what is known of a
+roughness that varies, and by where lobes come from."""
 
 import functools
 import os
@@ -71,6 +71,16 @@ def by_roughness(plan: Plan, progress: Progress) -> list[Row]:
              for is_textured, attributes in kinds.values()]
     rows = costs(cases, "bundle", plan.engine_size, plan)
     return [{"roughness": name} | row for name, row in zip(kinds, rows)]
+
+
+def by_lobes(plan: Plan, progress: Progress) -> list[Row]:
+    """Of the monkey, by lobes from tables and in closed form."""
+    progress.step("frames by lobes")
+    scene = subjects.subject(MODELS["monkey"], plan.engine_size, progress).core_scene
+    kinds = ("TABLE", "ANALYTIC")
+    return [{"lobes": kind.lower()} | row for method in ("bundle", TRACED)
+            for kind, row in zip(kinds, costs([(scene, {"lobes": kind}) for kind in kinds], method,
+                                              plan.engine_size, plan))]
 
 
 def by_threads(plan: Plan, progress: Progress) -> list[Row]:

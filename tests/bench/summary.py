@@ -46,6 +46,9 @@ def ratios(results: dict[str, list[Row]]) -> dict[str, float]:
         for kind in ("samples", "noise"):
             name = f"recursive / ENDF at equal {kind}, {row['bounces']} bounces"
             result[name] = row[f"speedup_at_equal_{kind}"]
+    for method in dict.fromkeys(row["method"] for row in results["lobes"]):
+        table, analytic = (row["frame_ms"] for row in results["lobes"] if row["method"] == method)
+        result[f"analytic / table lobes, {method}"] = analytic / table
     return result
 
 

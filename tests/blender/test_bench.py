@@ -31,6 +31,7 @@ def test_quick_run_writes_what_it_says(tmp_path, capfd):
         assert (tmp_path / f"{kind}.png").stat().st_size > 5000
     assert [row["threads"] for row in results["threads"]][0] == 1
     assert [row["roughness"] for row in results["roughness"]][::3] == ["uniform", "4 classes on the back"]
+    assert [row["lobes"] for row in results["lobes"]] == ["table", "analytic"] * 2
     assert {row["method"] for row in results["updates"]} == {"bundle", "traced"}
     assert [row["bounces"] for row in results["bounces"]] == list(plan.QUICK.bounces)
     assert {row["engine"] for row in results["engines"]} == {*frames.METHODS, "reference", "cycles"}
@@ -96,10 +97,13 @@ def test_ratios():
     threads = [{"threads": 1, "frame_ms": 9.0}, {"threads": 2, "frame_ms": 5.0}]
     refraction = [{"engine": "traced", "sample_ms": 0.5}, {"engine": "cycles", "sample_ms": 6.0}]
     roughness = [{"roughness": "uniform", "frame_ms": 4.0}, {"roughness": "4 classes", "frame_ms": 6.0}]
+    lobes = [{"method": "bundle", "lobes": "table", "frame_ms": 4.0},
+             {"method": "bundle", "lobes": "analytic", "frame_ms": 2.0}]
     bounces = [{"bounces": 2, "speedup_at_equal_samples": 1.5, "speedup_at_equal_noise": 9.0}]
     found = summary.ratios({"models": models, "engines": rows, "refraction": refraction, "threads": threads,
-                            "roughness": roughness, "bounces": bounces})
+                            "roughness": roughness, "lobes": lobes, "bounces": bounces})
     assert found["recursive / ENDF at equal noise, 2 bounces"] == 9.0
+    assert found["analytic / table lobes, bundle"] == pytest.approx(0.5)
     assert found["4 classes / uniform roughness"] == pytest.approx(1.5)
     assert found["cycles with 512 samples / traced with one, refraction only"] == pytest.approx(512 * 12.0)
     assert found["paper / bundle, frames of 4 x 4"] == pytest.approx(4.0)

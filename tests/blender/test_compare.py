@@ -27,7 +27,7 @@ from verglas.faults import Fault
 
 COMPARE = Path(verglas.__file__).parent / "cli" / "compare.py"
 
-PANE = str(Path(__file__).parents[2] / "blend_files" / "pane.blend")
+SUNLIT_SLAB = str(Path(__file__).parents[2] / "blend_files" / "sunlit_slab.blend")
 
 SMALL = methods.Conditions(48, 36, samples=2)
 
@@ -171,6 +171,17 @@ def test_modes_of_total_internal_reflection(glass):
     for method, expected in zip(methods.TIR_MODES, shown):
         assert np.array_equal(subject.real_time(method, 1).pixels, expected)
     assert not any(np.array_equal(a, b) for a, b in zip(shown, shown[1:]))
+
+
+def test_analytic_lobes(glass):
+    """The method would show the tables' picture, or that of the file's way through the glass."""
+    subject = methods.Subject(glass, SMALL, pytest.fail)
+    expected = subject.real_time("bundle", 1, lobes='ANALYTIC').pixels
+    assert not np.array_equal(subject.real_time("bundle", 1).pixels, expected)
+    glass.verglas.transport = 'SINGLE'
+    assert np.array_equal(subject.real_time("analytic", 1).pixels, expected)
+    glass.verglas.lobes = 'ANALYTIC'
+    assert np.array_equal(subject.real_time("bundle", 1).pixels, expected)
 
 
 def test_cycles_shows_the_same(glass):
@@ -390,19 +401,19 @@ def test_report(file, tmp_path):
 
 
 @pytest.mark.parametrize("roughness", (0.35, 0.5))
-def test_blur_of_a_flat_pane(tmp_path, roughness):
-    """A user loses: a pane, frosted on one side, that blurs what is behind it as much as it should, and a
+def test_blur_of_a_flat_slab(tmp_path, roughness):
+    """A user loses: a slab, frosted on one side, that blurs what is behind it as much as it should, and a
     researcher the numbers that tell how far the paper's method, which drops the front's blur here, is off."""
-    scene = cases.open_case(cases.Case(PANE))
-    front = scene.objects["Pane"].data.materials[0]
+    scene = cases.open_case(cases.Case(SUNLIT_SLAB))
+    front = scene.objects["Sunlit Slab"].data.materials[0]
     node_of(front.node_tree, 'ShaderNodeBsdfGlass').inputs["Roughness"].default_value = roughness
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "pane.blend"))
-    assert run([cases.Case(str(tmp_path / "pane.blend"), name="pane")], tmp_path, methods=("bundle", "paper"),
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "slab.blend"))
+    assert run([cases.Case(str(tmp_path / "slab.blend"), name="slab")], tmp_path, methods=("bundle", "paper"),
                paths='two_interface', spp=32, samples=1, size=(96, 96))
     report = json.loads((tmp_path / "report.json").read_text())
     truth = report["truth"]["kappa"]
     bundle, paper = (report["methods"][method]["kappa"] for method in ("bundle", "paper"))
-    print(f"pane, rough front {roughness}, smooth back: kappa {truth:.1f}, bundle {bundle:.1f}, "
+    print(f"slab, rough front {roughness}, smooth back: kappa {truth:.1f}, bundle {bundle:.1f}, "
           f"paper {paper:.1f}")
     # Beckmann's slopes have the variance alpha^2 / 2 each way; where all angles are small, a facet that is
     # tilted by t turns light by (1 - 1 / eta) t, and the back makes (eta - 1) t of that.

@@ -8,8 +8,9 @@ import threading
 import time
 
 import bpy
+import numpy as np
 import pytest
-from scenes import add_sphere, frosted, set_map
+from scenes import add_sphere, frosted, render, set_map
 from verglas import devices, renderer, ui
 from verglas import verglas_core as core
 from verglas.engine import VerglasRenderEngine
@@ -201,6 +202,19 @@ def test_without_opengl():
     assert "by OpenGL: Error: VERGLAS_EGL_DEVICE is '99'" in after
 
 
+@pytest.mark.parametrize("device", ['OPENGL', 'CPU'])
+def test_lobes_reach_the_device(scene, device):
+    """The choice between tables and closed forms would change nothing, or the picture as a whole."""
+    set_map(scene)
+    add_sphere(frosted(0.5))
+    scene.verglas.device, scene.verglas.samples = device, 1
+    table = render(scene).rgb
+    scene.verglas.lobes = 'ANALYTIC'
+    analytic = render(scene).rgb
+    assert not np.array_equal(analytic, table)
+    assert np.abs(analytic - table).mean() < 0.03 * table.mean()
+
+
 # Panels
 
 class _Layout:
@@ -251,7 +265,7 @@ def test_panels_show_what_matters(scene, monkeypatch, device, automatic, traced_
     scene.verglas.device, scene.verglas.traced_final = device, traced_final
     glass = shown(ui.VERGLAS_RENDER_PT_glass, scene)
     assert OPENGL_ONLY & glass == (OPENGL_ONLY if opengl else set())
-    assert ("max_interfaces" in glass) == cpu and "reflection" in glass
+    assert ("max_interfaces" in glass) == cpu and {"lobes", "reflection"} <= glass
     sampling = shown(ui.VERGLAS_RENDER_PT_sampling, scene)
     assert {"device", "samples"} <= sampling and ("traced_final" in sampling) == opengl
     assert any("Auto takes" in text for text in sampling) == (device == 'AUTO' and automatic is not None)

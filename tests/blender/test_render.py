@@ -189,6 +189,7 @@ def test_animated_settings(scene):
 @pytest.mark.parametrize("name, value", [
     ("transport", 'SINGLE'), ("transport", 'PAPER'), ("transport", 'DEPTH_MIP'), ("transport", 'SPECULAR'),
     ("intersection", 'MARCH'), ("tir", 'NONE'), ("tir", 'BOUNCE'), ("reflection", False),
+    ("lobes", 'ANALYTIC'),
 ])
 def test_every_method_renders(scene, name, value):
     """A method that can be chosen would render nothing, or the same as another."""

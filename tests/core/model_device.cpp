@@ -23,10 +23,10 @@ void expect_linked(GLuint program) {
 }
 
 std::string model_text() {
-    std::string text = gl::full_source("lobe_tables.glsl");
-    for (const char* file : {"lib/spherical_gaussian.glsl", "lib/bundle.glsl", "lib/local_light.glsl",
-                             "lib/vmf_masking.glsl", "lib/spherical_warping.glsl", "lib/specular.glsl",
-                             "lib/depth_mip.glsl", "lib/environment.glsl", "lib/relief.glsl"})
+    std::string text = gl::full_source("lobes.glsl");
+    for (const char* file :
+         {"lib/analytic_lobe.glsl", "lib/bundle.glsl", "lib/local_light.glsl", "lib/vmf_masking.glsl",
+          "lib/specular.glsl", "lib/depth_mip.glsl", "lib/environment.glsl", "lib/relief.glsl"})
         text += gl::shader_source(file);
     std::ifstream questions(VERGLAS_TESTS_FOLDER "/model_questions.glsl");
     return text.append(std::istreambuf_iterator<char>(questions), {});

@@ -61,6 +61,15 @@ SHARED Answer rough_reflection(Question question) {
         reflected_lobe(int(question.c.x), question.a.w, question.b.w, vec3(question.a), vec3(question.b)));
 }
 
+// a: cosine, eta, roughness. c: kind. Answer: energy, spread, along and away.
+SHARED Answer lobe_in_closed_form(Question question) {
+    PlanarLobe lobe = analytic_lobe(int(question.c.x), question.a.x, question.a.y, question.a.z);
+    Answer answer;
+    answer.a = vec4(lobe.energy, lobe.spread, lobe.along, lobe.away);
+    answer.b = vec4(0.0f);
+    return answer;
+}
+
 // Of the bundle that a ray along -Z becomes, which meets the unit sphere at p; tables 0 and 1: entering and leaving.
 SHARED Moments sphere_moments(vec3 p, float eta, float roughness) {
     Lobe front = refracted_lobe(0, eta, roughness, vec3(0.0f, 0.0f, -1.0f), p, TIR_NONE);

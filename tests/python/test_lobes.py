@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tables' lobes against Walter et al.'s BSDF (2007), integrated over directions in numpy."""
+"""The renderer's lobes, from tables or in closed form, against Walter et al.'s BSDF (2007), integrated over
+directions in numpy."""
 
 import numpy as np
 import pytest
@@ -59,24 +60,39 @@ def integrate(ndf, alpha, eta, cos_theta_o, event):
     return energy, length / energy, vector / length
 
 
+def errors(ndf, roughness, eta, cos_theta_o, event, lobes):
+    """Of energy; of the direction, in degrees; of 1 - R, relative."""
+    energy, R, direction = integrate(ndf, roughness ** 2, eta, cos_theta_o, event)
+    W, kappa, p = verglas.interface_lobe(ndf, roughness, eta, cos_theta_o, event, lobes)
+    spread = 1 - (1 / np.tanh(kappa) - 1 / kappa)
+    return abs(W - energy), np.degrees(np.arccos(min(np.dot(p, direction), 1))), abs(spread / (1 - R) - 1)
+
+
 @pytest.mark.parametrize("event", ["REFRACT", "REFRACT_WITHOUT_FRESNEL", "REFLECT"])
 @pytest.mark.parametrize("eta", [1.5, 1 / 1.5])
 @pytest.mark.parametrize("ndf", ["BECKMANN", "GGX", "BLINN_PHONG"])
 def test_lobe_is_the_integral(ndf, eta, event):
     """A researcher loses: the renderer's lobes, to plot beside the exact ones."""
     for roughness, cos_theta_o in (0.4, 1.0), (0.4, 0.5), (0.7, 0.8), (0.7, 0.3):
-        energy, R, direction = integrate(ndf, roughness ** 2, eta, cos_theta_o, event)
-        W, kappa, p = verglas.interface_lobe(ndf, roughness, eta, cos_theta_o, event)
-        assert W == pytest.approx(energy, abs=0.01)
-        assert np.degrees(np.arccos(min(np.dot(p, direction), 1))) < 1.0
-        assert 1 - (1 / np.tanh(kappa) - 1 / kappa) == pytest.approx(1 - R, rel=0.05)
+        energy, degrees, spread = errors(ndf, roughness, eta, cos_theta_o, event, "TABLE")
+        assert energy < 0.01 and degrees < 1.0 and spread < 0.05
+
+
+@pytest.mark.parametrize("event", ["REFRACT", "REFRACT_WITHOUT_FRESNEL", "REFLECT"])
+def test_analytic_lobe_is_near_the_integral(event):
+    """A researcher loses: lobes in closed form, to plot beside the exact ones."""
+    for roughness, cos_theta_o in (0.25, 1.0), (0.25, 0.5), (0.4, 0.8), (0.5, 0.5):
+        energy, degrees, spread = errors("BECKMANN", roughness, 1.5, cos_theta_o, event, "ANALYTIC")
+        assert energy < 0.01 and degrees < 1.0 and spread < 0.12
 
 
 def test_values_out_of_range_are_named():
     """A scripter loses: a sentence that says which value is wrong."""
-    right = {"ndf": "GGX", "roughness": 0.5, "eta": 1.5, "cos_theta_o": 0.5, "event": "REFRACT"}
-    wrong = {"ndf": "PHONG", "roughness": 1.5, "eta": 0.0, "cos_theta_o": np.nan, "event": "ABSORB"}
-    words = ("PHONG", "roughness", "index", "cosine", "ABSORB")
+    right = {"ndf": "GGX", "roughness": 0.5, "eta": 1.5, "cos_theta_o": 0.5, "event": "REFRACT",
+             "lobes": "TABLE"}
+    wrong = {"ndf": "PHONG", "roughness": 1.5, "eta": 0.0, "cos_theta_o": np.nan, "event": "ABSORB",
+             "lobes": "FITTED"}
+    words = ("PHONG", "roughness", "index", "cosine", "ABSORB", "FITTED")
     for (name, value), word in zip(wrong.items(), words):
         with pytest.raises(verglas.Error, match=word):
             verglas.interface_lobe(**{**right, name: value})

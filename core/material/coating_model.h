@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "core/material/model.h"
+
+namespace verglas::model {
+
+// The part of shaders/lib that looks up the lobes of coatings, for C++. Any number of threads may look up at
+// the same time.
+class CoatingModel {
+    // Its functions aren't const, for which GLSL has no word.
+    struct Lookup {
+        const std::vector<vec4>& rows;
+
+        // Bilinear interpolation, as GL_LINEAR does with nodes at the centres of texels.
+        vec4 sample_coating_rows(float column, float row) const {
+            constexpr int width = COATING_ITEMS * COATING_ANGLES;
+            const int i = std::min(static_cast<int>(column), width - 2);
+            const int j = static_cast<int>(row);
+            const float t = column - static_cast<float>(i);
+            const float s = row - static_cast<float>(j);
+            const vec4* node = &rows[std::size_t(j) * width + i];
+            const vec4 value = mix(node[0], node[1], t);
+            return s > 0.0F ? mix(value, mix(node[width], node[width + 1], t), s) : value;
+        }
+
+#include "shaders/lib/coated_lookup.glsl"
+    };
+
+  public:
+    // rows: CoatingSet::rows(); may be empty where nothing is coated, and then nothing may be looked up.
+    explicit CoatingModel(std::vector<vec4> rows) : rows_(std::move(rows)) {}
+
+    CoatingPlace coating_place(const Coating& coating, const vec3& d, const vec3& n) const {
+        return lookup().coating_place(coating, d, n);
+    }
+    CoatingLight coating_light(const CoatingPlace& place) const { return lookup().coating_light(place); }
+    int coating_parts(const CoatingTable& table, int group) const {
+        return lookup().coating_parts(table, group);
+    }
+    vec4 coating_part(const CoatingPlace& place, int group, int part) const {
+        return lookup().coating_part(place, group, part);
+    }
+    Lobe coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group, const vec4& part,
+                      float side) const {
+        return lookup().coating_lobe(table, place, group, part, side);
+    }
+
+  private:
+    Lookup lookup() const { return {rows_}; }
+
+    std::vector<vec4> rows_;
+};
+
+}  // namespace verglas::model
