@@ -80,8 +80,8 @@ struct Incidence {
     float sine;
 };
 
-// Facets with Gaussian slopes that are seen. Per area of the surface, a facet whose slope toward the viewer is x has the
-// projected area cos + x sin.
+// Facets with Gaussian slopes that are seen. Per area of the surface, a facet whose slope toward the viewer is x has
+// the projected area cos + x sin.
 SHARED Facets visible_facets(float variance, Incidence o) {
     float deviation = max(o.sine * sqrt(variance), 1e-6f);
     float hidden = deviation * normal_above(-o.cosine / deviation).mean;
@@ -94,13 +94,14 @@ SHARED Facets visible_facets(float variance, Incidence o) {
     return facets;
 }
 
-// The slope of facets that o meets at the critical angle of eta < 1; flatter ones let light through.
+// The slope of facets that o meets at the critical angle of eta < 1; those tilted farther toward the viewer let light
+// through.
 SHARED float critical_slope(Incidence o, float eta) {
     float cosine = critical_cosine(eta);
     return (o.sine * cosine - o.cosine * eta) / max(o.cosine * cosine + o.sine * eta, 1e-6f);
 }
 
-// The same of facets that mirror o into the surface; flatter ones mirror it upward.
+// The same of facets that mirror o into the surface; those tilted farther toward the viewer mirror it upward.
 SHARED float horizon_slope(Incidence o) { return -o.cosine / (1.0f + o.sine); }
 
 // Of o to the normal of a facet.
@@ -129,10 +130,10 @@ SHARED Facets weighted_facets(Facets facets, int event, Incidence o, float eta) 
     return facets;
 }
 
-// The lobe of facets that turn o to a direction (along, away), whose length is 1. jacobian: d(m) / d(i), of both axes
-// together; cos_theta: of the light that leaves, to the facet. A tilt in the plane of incidence turns light 1 / cos_theta
-// times as far as one across it, and the lobe has the mean of both variances; of the paper's concentration, kappa_m times
-// the Jacobian, it is the geometric mean.
+// The lobe of facets that turn o to a direction (along, away) of unit length. jacobian: d(m) / d(i), of both axes
+// together; cos_theta: of the light that leaves, to the facet. A tilt in the plane of incidence turns light
+// 1 / cos_theta times as far as one across it. The lobe has the mean of both variances; the paper's concentration,
+// kappa_m times the Jacobian, their geometric mean.
 SHARED PlanarLobe warped_lobe(Facets facets, float along, float away, float jacobian, float cos_theta, int ndf,
                               float alpha) {
     float narrowing = 1.0f / (1.0f + facets.slope * facets.slope);  // slopes to angles

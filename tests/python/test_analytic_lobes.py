@@ -34,6 +34,19 @@ def test_nothing_is_built_or_loaded(make, monkeypatch, tmp_path):
     assert not (tmp_path / "verglas").exists()
 
 
+@pytest.mark.parametrize("event", ["REFRACT", "REFRACT_WITHOUT_FRESNEL", "REFLECT"])
+@pytest.mark.parametrize("ndf", ["BECKMANN", "GGX", "BLINN_PHONG"])
+def test_any_crossing_has_a_lobe(ndf, event):
+    """A user loses: glass without black or glaring pixels, at flat angles, without a step of the index, with
+    the greatest and the least roughness."""
+    for roughness in 0.0, 1e-3, 0.1, 0.5, 1.0:
+        for eta in 0.2, 0.75, 0.999, 1.0, 1.001, 1.5, 3.5:
+            for cos_theta_o in 0.0, 1e-4, 0.1, 0.5, 0.9, 1.0:
+                W, kappa, p = verglas.interface_lobe(ndf, roughness, eta, cos_theta_o, event, "ANALYTIC")
+                assert 0.0 <= W <= 1.001 and kappa > 0.0 and np.isfinite([kappa, *p]).all()
+                assert np.linalg.norm(p) == pytest.approx(1.0, abs=1e-4)
+
+
 @pytest.mark.parametrize("ndf", ["BECKMANN", "GGX", "BLINN_PHONG"])
 def test_both_devices_show_the_same(renderer, ndf):
     """A user loses: a final frame by the CPU that looks as the viewport's by OpenGL. They differ as much as
