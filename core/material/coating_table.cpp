@@ -159,14 +159,18 @@ constexpr double drawn_together = 0.1;
 
 using Parts = std::array<glm::vec4, COATING_PARTS>;
 
+int parts_of(int group) {
+    return group == model::COATING_FURTHER ? model::COATING_SLICES : COATING_PARTS;
+}
+
 // Of a group, in parts by the angle in the plane of incidence and by the distance from it, folded to one side.
-Parts divided_lobes(const std::vector<Weighted>& group) {
-    const dvec3 whole = mean_of(group, [](const glm::vec3& i) { return glm::vec3(i.x, 0.0F, i.z); });
+Parts divided_lobes(const std::vector<Weighted>& light, int parts) {
+    const dvec3 whole = mean_of(light, [](const glm::vec3& i) { return glm::vec3(i.x, 0.0F, i.z); });
     Parts lobes;
     auto lobe = lobes.begin();
-    for (const auto& slice : divided(group, model::COATING_SLICES,
+    for (const auto& slice : divided(light, model::COATING_SLICES,
                                      [](const glm::vec3& i) { return std::atan2(i.x, i.z); })) {
-        for (const auto& part : divided(slice, COATING_PARTS / model::COATING_SLICES,
+        for (const auto& part : divided(slice, parts / model::COATING_SLICES,
                                         [](const glm::vec3& i) { return std::abs(i.y); })) {
             const dvec3 folded =
                 mean_of(part, [](const glm::vec3& i) { return glm::vec3(i.x, std::abs(i.y), i.z); });
@@ -197,7 +201,7 @@ Node node_of(const LayeredSurface& layer, bool reflects_inside, const std::vecto
         for (const Weighted& i : light) sums[group] += i.weight;
         if (sums[group] <= 1e-6 * count) continue;
         node.whole[group] = whole_lobe(light);
-        node.divided[group] = divided_lobes(light);
+        node.divided[group] = divided_lobes(light, parts_of(group));
     }
     const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
     const auto& energies = scattered.energies;
@@ -354,7 +358,7 @@ CoatingTable CoatingTable::build(const CoatingKey& key) {
         for (const Node& node : row) table.nodes.push_back(node.means);
         for (int group = 0; group < COATING_GROUPS; ++group) {
             const bool is_divided = (layout.divided >> group & 1) != 0;
-            for (int part = 0; part < COATING_PARTS; ++part)
+            for (int part = 0; part < parts_of(group); ++part)
                 for (const Node& node : row)
                     table.nodes.push_back(is_divided ? node.divided[group][part] : node.whole[group]);
         }

@@ -10,14 +10,15 @@ const int COATING_FURTHER = 2;
 const int COATING_GROUPS = 3;
 
 // Light of a group is one lobe where that is narrow. Else it is divided in parts of equal energy: into slices by the
-// angle in the plane of incidence, and these by the distance from it. Each part stands for its mirror image, too.
+// angle in the plane of incidence, and these by the distance from it, but for the further bounces, which are weak. Each
+// part stands for its mirror image, too.
 const int COATING_SLICES = 3;
 const int COATING_PARTS = 2 * COATING_SLICES;
 
 // A row of a table is one pair of roughnesses: items side by side, each over the viewer's angle. The first two items are
 // energies and means, those of each group's parts (x, y, z, log2(spread)) of their lobes.
 const int COATING_ANGLES = 33;
-const int COATING_ITEMS = 2 + COATING_GROUPS * COATING_PARTS;
+const int COATING_ITEMS = 2 + 2 * COATING_PARTS + COATING_SLICES;
 
 // Of one material. Rows: those of the base's roughnesses, for each of the outer side's.
 struct CoatingTable {

@@ -47,7 +47,10 @@ SHARED CoatingLight coating_light(CoatingPlace place) {
 SHARED bool is_divided(CoatingTable table, int group) { return ((table.divided >> group) & 1) != 0; }
 
 // How many parts a group has; one that isn't divided is the first of them.
-SHARED int coating_parts(CoatingTable table, int group) { return is_divided(table, group) ? COATING_PARTS : 1; }
+SHARED int coating_parts(CoatingTable table, int group) {
+    if (!is_divided(table, group)) return 1;
+    return group == COATING_FURTHER ? COATING_SLICES : COATING_PARTS;
+}
 
 SHARED vec4 coating_part(CoatingPlace place, int group, int part) {
     return coating_item(place, 2 + group * COATING_PARTS + part);
@@ -56,7 +59,7 @@ SHARED vec4 coating_part(CoatingPlace place, int group, int part) {
 // The lobe of a part to one side of the plane of incidence, +1 or -1; its energy is its share of the group's.
 SHARED Lobe coating_lobe(CoatingTable table, CoatingPlace place, int group, vec4 part, float side) {
     Lobe lobe;
-    lobe.energy = is_divided(table, group) ? 1.0f / float(2 * COATING_PARTS) : 1.0f;
+    lobe.energy = is_divided(table, group) ? 0.5f / float(coating_parts(table, group)) : 1.0f;
     lobe.spread = clamp(exp2(part.w), LOBE_MIN_SPREAD, 1.0f);
     lobe.direction = normalize(part.x * place.tangent + side * part.y * place.side + part.z * place.n);
     return lobe;
