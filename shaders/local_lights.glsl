@@ -22,9 +22,9 @@ struct Place {
     vec3 side;  // unit normal, to where it leaves
 };
 
-// All light under a lobe about a unit direction: of the environment and of the lights.
-vec3 incoming_radiance(Place place, vec3 direction, float spread) {
-    vec3 sum = incoming_radiance(direction, spread);
+// Light of the lights under a lobe about a unit direction.
+vec3 local_radiance(Place place, vec3 direction, float spread) {
+    vec3 sum = vec3(0.0);
     for (int i = 0; i < light_count; ++i) {
         LightData data = lights[i];
         LocalLight light =
@@ -32,4 +32,9 @@ vec3 incoming_radiance(Place place, vec3 direction, float spread) {
         sum += light_radiance(light, place.position, direction, spread, place.side);
     }
     return sum;
+}
+
+// That of the environment and of the lights.
+vec3 incoming_radiance(Place place, vec3 direction, float spread) {
+    return incoming_radiance(direction, spread) + local_radiance(place, direction, spread);
 }

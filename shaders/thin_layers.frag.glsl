@@ -79,29 +79,36 @@ vec4 sample_coating_rows(float column, float row) {
 
 #include "lib/coated_lookup.glsl"
 
-// Under a group's lobes, of energy 1 in all. One that isn't divided is as wide along one axis as lobes at slanted views
-// are. Loops in place of branches: software OpenGL walks through both sides of each branch.
-vec3 group_radiance(Place place, Coating coating, CoatingPlace at, int group, bool tail) {
-    bool divided = is_divided(coating.table, group);
-    int parts = coating_parts(coating.table, group);
-    int lobes = divided ? 2 : EXIT_TAPS;
+// Loops in place of branches: software OpenGL walks through both sides of each branch.
+
+// Under the one lobe of a group that isn't divided: as wide along one axis as lobes at slanted views are, and as a core
+// and a tail where the outer side's lobes have them.
+vec3 narrow_radiance(Place place, Lobe lobe, bool tail) {
+    WideLobe wide = wide_lobe(lobe.direction, lobe.spread, place.side);
+    int widths = tail ? 2 : 1;
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < parts; ++i) {
-        vec4 part = coating_part(at, group, i);
-        Lobe lobe = coating_lobe(coating.table, at, group, part, 1.0);
-        WideLobe wide = wide_lobe(lobe.direction, lobe.spread, place.side);
-        for (int j = 0; j < lobes; ++j) {
-            vec3 direction = divided ? coating_lobe(coating.table, at, group, part, float(2 * j - 1)).direction
-                                     : tap_direction(wide, j);
-            float spread = divided ? lobe.spread : wide.spread;
-            for (int width = 0; width < (tail ? 2 : 1); ++width) {
-                float share = !tail ? 1.0 : width == 0 ? 1.0 - TAIL_SHARE : TAIL_SHARE;
-                float widened = !tail ? spread : widened_spread(spread, width == 0 ? CORE_WIDTH : TAIL_WIDTH);
-                sum += share * incoming_radiance(place, direction, widened);
-            }
-        }
+    for (int width = 0; width < widths; ++width) {
+        float share = !tail ? 1.0 : width == 0 ? 1.0 - TAIL_SHARE : TAIL_SHARE;
+        float spread = !tail ? wide.spread : widened_spread(wide.spread, width == 0 ? CORE_WIDTH : TAIL_WIDTH);
+        for (int i = 0; i < EXIT_TAPS; ++i) sum += share * incoming_radiance(place, tap_direction(wide, i), spread);
     }
-    return sum / float(parts * lobes);
+    return sum / float(EXIT_TAPS);
+}
+
+vec3 group_radiance(Place place, Coating coating, CoatingPlace at, int group, bool tail) {
+    int parts = coating_parts(coating.table, group);
+    int narrow = parts == 1 ? 1 : 0;
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < narrow; ++i) {
+        Lobe lobe = coating_lobe(coating.table, at, group, coating_part(at, group, 0), 1.0);
+        sum += narrow_radiance(place, lobe, tail);
+    }
+    for (int i = 0; i < (1 - narrow) * 2 * parts; ++i) {
+        Lobe lobe = coating_lobe(coating.table, at, group, coating_part(at, group, i / 2), float(1 - 2 * (i & 1)));
+        float spread = max(lobe.spread, environment_spread(0));
+        sum += lobe.energy * (blurred_radiance(lobe.direction, spread) + local_radiance(place, lobe.direction, lobe.spread));
+    }
+    return sum;
 }
 
 vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 position, vec3 d, vec3 n) {
