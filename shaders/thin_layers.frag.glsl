@@ -120,8 +120,9 @@ vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 positio
     Place place = Place(position, n);
     CoatingPlace at = coating_place(coating, d, n);
     CoatingLight light = coating_light(at);
+    int last = min(coating.bounces, COATING_FURTHER);
     vec3 sum = vec3(0.0);
-    for (int group = reflection ? COATING_MIRRORED : COATING_FIRST; group < COATING_GROUPS; ++group) {
+    for (int group = reflection ? COATING_MIRRORED : COATING_FIRST; group <= last; ++group) {
         bool mirrored = group == COATING_MIRRORED;
         vec3 color = coating_color(coating, light, group);
         if (greatest(color) <= 0.0) continue;

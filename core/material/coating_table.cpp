@@ -27,7 +27,7 @@ constexpr int most_nodes = 10;
 
 // Points for the one row of a constant coating. Many rows share more.
 constexpr int most_points = 2048;
-constexpr int least_points = 512;
+constexpr int least_points = 1024;
 
 // A group with wider lobes than this is divided.
 constexpr float most_undivided = 0.02F;
@@ -331,13 +331,15 @@ CoatingTable CoatingTable::build(const CoatingKey& key) {
         const int row = task / COATING_ANGLES;
         const int column = task % COATING_ANGLES;
         const float alpha = outer_alpha(row);
-        const LayeredSurface layer(material, true, alpha,
-                                   alpha_of_node(key.base, layout.base_least, layout.base_greatest,
-                                                 row % layout.base_nodes, layout.base_nodes));
+        const float base_alpha = alpha_of_node(key.base, layout.base_least, layout.base_greatest,
+                                               row % layout.base_nodes, layout.base_nodes);
+        const LayeredSurface layer(material, true, alpha, base_alpha);
         const bool smoothed = alpha > least_smoothed_alpha;
         const bool at_the_end = column > COATING_ANGLES - 1 - smoothed_neighbours;
-        const std::vector<Point> points =
-            sobol_points(smoothed && at_the_end ? points_at_the_end * count : count, smoothed ? column : 0);
+        // The rougher both sides, the more points are lost.
+        int node_count = static_cast<int>((1.0F + alpha * base_alpha) * static_cast<float>(count));
+        if (smoothed && at_the_end) node_count *= points_at_the_end;
+        const std::vector<Point> points = sobol_points(node_count, smoothed ? task : 0);
         const float x = static_cast<float>(column) / (COATING_ANGLES - 1);
         const float cos_theta = std::sin(0.5F * glm::pi<float>() * x);
         nodes[row][column] = node_of(layer, key.fresnel, points, std::clamp(cos_theta, 1e-4F, 1.0F - 1e-6F));

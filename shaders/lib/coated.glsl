@@ -86,6 +86,7 @@ SHARED vec3 tinted_reflectance(vec3 color, vec3 tint, float cos_theta) {
 // What the base and the ways through the layer leave of a group's light, its energy included.
 SHARED vec3 coating_color(Coating coating, CoatingLight light, int group) {
     if (group == COATING_MIRRORED) return vec3(light.energy.x);
+    if (coating.bounces < 1) return vec3(0.0f);
     vec3 reflectance = coating.diffuse ? coating.base_color
                                        : mean_tinted_reflectance(coating.base_color, coating.edge_tint,
                                                                  light.slant_5, light.slant_6);

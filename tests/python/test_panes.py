@@ -56,9 +56,10 @@ def thin_box(half):
     return flat_faces("Box", [high, low[::-1], *around], slots=slots)
 
 
-def camera_at(degrees):
-    """Four units from the origin, by so much off the Z axis, with a field of view of 28 degrees."""
-    theta, phi = np.radians(degrees), 0.7
+def camera_at(degrees, azimuth=0.7, focal=4):
+    """Four units from the origin, by so much off the Z axis; azimuth in radians. The field of view is 28 degrees,
+    or 2 atan(1 / focal)."""
+    theta, phi = np.radians(degrees), azimuth
     matrix = np.eye(4)
     matrix[:3, 2] = [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)]
     matrix[:3, 0] = [-np.sin(phi), np.cos(phi), 0]
@@ -67,7 +68,7 @@ def camera_at(degrees):
     near, far = 0.1, 100.0
     return verglas.Camera(
         view=np.linalg.inv(matrix),
-        projection=[[4, 0, 0, 0], [0, 4, 0, 0],
+        projection=[[focal, 0, 0, 0], [0, focal, 0, 0],
                     [0, 0, (far + near) / (near - far), 2 * far * near / (near - far)], [0, 0, -1, 0]])
 
 
