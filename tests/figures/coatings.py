@@ -129,8 +129,9 @@ class Coated:
         tracer.render(1)
         return tracer.frame().depth < BACKGROUND_DEPTH
 
-    def path_tracer(self, seed: int = 0, method: str = "truth") -> core.PathTracer:
+    def path_tracer(self, seed: int = 0, method: str = "truth", max_interfaces: int = 64) -> core.PathTracer:
         settings = core.PathSettings()
+        settings.max_interfaces = max_interfaces
         settings.width = settings.height = self.setting.studio.size
         settings.layers = LAYERS[method]
         settings.seed = seed
