@@ -74,6 +74,7 @@ vec3 coated_radiance(Material material, Layer layer, vec2 roughness, vec3 positi
     Place place = Place(position, n);
     vec3 color = material.color_roughness.rgb * material.color_roughness.rgb;
     vec3 sum = mirrored_radiance(material, coating.outer, place, d, layer.edge_tint.w > 0.0);
+    if (layer.kind.y < 1) return sum;
     BaseLight light = first_bounce(coating, d, n);
     for (int bounce = 1;; ++bounce) {
         vec3 incoming = light.lobe.spread < FANNED_SPREAD

@@ -55,6 +55,7 @@ void LayerLobes::add_pane(const TracedScene& scene, const Material& material, co
 void LayerLobes::add_coated(const TracedScene& scene, const Material& material, const model::Pane& outer,
                             const glm::vec3& d, const glm::vec3& n) {
     const Layer& layer = material.layer;
+    if (layer.bounces < 1) return;
     const model::Coating coating{
         outer,           outer.far_roughness, material.optical_depth(), layer.base_color,
         layer.edge_tint, layer.diffuse};

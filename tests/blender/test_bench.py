@@ -32,6 +32,8 @@ def test_quick_run_writes_what_it_says(tmp_path, capfd):
     assert [row["threads"] for row in results["threads"]][0] == 1
     assert [row["roughness"] for row in results["roughness"]][::3] == ["uniform", "4 classes on the back"]
     assert {row["method"] for row in results["updates"]} == {"bundle", "traced"}
+    assert {(row["method"], row["bounces"]) for row in results["coatings"]} == {
+        (method, bounces) for method in ("bundle", "traced") for bounces in (0, 1, 2)}
     assert [row["bounces"] for row in results["bounces"]] == list(plan.QUICK.bounces)
     assert {row["engine"] for row in results["engines"]} == {*frames.METHODS, "reference", "cycles"}
     assert (tmp_path / "engines.png").is_file() and (tmp_path / "preparation.png").is_file()
@@ -97,8 +99,11 @@ def test_ratios():
     refraction = [{"engine": "traced", "sample_ms": 0.5}, {"engine": "cycles", "sample_ms": 6.0}]
     roughness = [{"roughness": "uniform", "frame_ms": 4.0}, {"roughness": "4 classes", "frame_ms": 6.0}]
     bounces = [{"bounces": 2, "speedup_at_equal_samples": 1.5, "speedup_at_equal_noise": 9.0}]
+    coated = [{"base": "sharp", "method": "traced", "bounces": count, "frame_ms": 4.0 + count}
+              for count in (0, 2)]
     found = summary.ratios({"models": models, "engines": rows, "refraction": refraction, "threads": threads,
-                            "roughness": roughness, "bounces": bounces})
+                            "roughness": roughness, "bounces": bounces, "coatings": coated})
+    assert found["coating, sharp, 2 bounces / glossy layer, traced"] == pytest.approx(1.5)
     assert found["recursive / ENDF at equal noise, 2 bounces"] == 9.0
     assert found["4 classes / uniform roughness"] == pytest.approx(1.5)
     assert found["cycles with 512 samples / traced with one, refraction only"] == pytest.approx(512 * 12.0)
