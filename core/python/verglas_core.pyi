@@ -143,7 +143,8 @@ class Layer:
     thickness: float
     """Of a coating, in world units along the normal: how far the material's absorption acts. Default 0.01."""
     bounces: int
-    """Of a coating: how often light that leaves it has met the base, at most; 1 … 8. Default 2."""
+    """Of a coating: how often light that leaves it has met the base, at most; 0 … 8, 0: its outer side's reflection
+    alone. Default 2."""
     diffuse: bool
     """Of a coating: whether its base is diffuse; else it is a rough conductor. Default False."""
     base_color: Sequence[float]

@@ -29,8 +29,10 @@ struct Layer {
     std::shared_ptr<const Texture> roughness_texture;  // in place of roughness, by Mesh::uvs; may be null
     bool inner_reflections = true;  // Pane: light that its sides reflect between them counts
     float thickness = 0.01F;        // Coated: in world units, along the normal
-    int bounces = 2;       // Coated: how often light that leaves has met the base, at most; 1 … max_bounces
-    bool diffuse = false;  // Coated: the base; else a rough conductor
+    // Coated: how often light that leaves has met the base, at most; 0 … max_bounces, 0: the outer side's
+    // reflection alone
+    int bounces = 2;
+    bool diffuse = false;        // Coated: the base; else a rough conductor
     glm::vec3 base_color{0.8F};  // Coated: reflectance of the base at straight incidence, or its albedo
     glm::vec3 edge_tint{1.0F};   // Coated: of a conductor's reflectance at 82 degrees (F82), on Schlick's
 

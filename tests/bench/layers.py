@@ -5,12 +5,33 @@ from figures import coatings, layer_cost
 from figures.coatings import Coated, Coating
 from figures.models import MODELS
 from figures.studio import Studio
+from verglas.compare.methods import TRACED
 from verglas.compare.progress import Progress
 
-from .frames import Row
+from .frames import Row, costs
 from .plan import Plan
 
 SHARP = Coating(kappa=1e4, base_kappa=1e3)
+
+
+ROUGH = Coating(kappa=1e4, base_kappa=10.0)
+
+METHODS = ("bundle", TRACED)
+"""One for each device."""
+
+
+def frames(plan: Plan, progress: Progress) -> list[Row]:
+    """Of the monkey on both devices: as one glossy layer, which is the coating's outer side alone, and under
+    the coating, with light that meets the base once and twice."""
+    rows = []
+    for name, coating in (("sharp", SHARP), ("rough", ROUGH)):
+        progress.step(f"frames of a coating, {name}")
+        coated = Coated(_monkey(plan, progress).setting, coating)
+        scenes = [coated.changed(bounces=count) for count in range(3)]
+        for method in METHODS:
+            found = costs([(scene.core_scene, {}) for scene in scenes], method, plan.engine_size, plan)
+            rows += [{"base": name} | scene.coating.numbers | row for scene, row in zip(scenes, found)]
+    return rows
 
 
 def bounces(plan: Plan, progress: Progress) -> list[Row]:

@@ -45,6 +45,7 @@ def measure(quick: bool, progress) -> dict:
         "preparation": preparation.steps(plan, progress),
         "engines": engines.engines(plan, progress, notes),
         "refraction": engines.refraction(plan, progress, notes),
+        "coatings": layers.frames(plan, progress),
         "bounces": layers.bounces(plan, progress),
         "navigation": navigation.rows(plan, progress, notes),
         "notes": notes,

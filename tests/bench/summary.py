@@ -42,6 +42,12 @@ def ratios(results: dict[str, list[Row]]) -> dict[str, float]:
     uniform, *varying = results["roughness"]
     for row in varying:
         result[f"{row['roughness']} / uniform roughness"] = row["frame_ms"] / uniform["frame_ms"]
+    coated = results["coatings"]
+    glossy = {(row["base"], row["method"]): row["frame_ms"] for row in coated if row["bounces"] == 0}
+    for row in coated:
+        if row["bounces"] > 0:
+            name = f"coating, {row['base']}, {row['bounces']} bounces / glossy layer, {row['method']}"
+            result[name] = row["frame_ms"] / glossy[row["base"], row["method"]]
     for row in results["bounces"]:
         for kind in ("samples", "noise"):
             name = f"recursive / ENDF at equal {kind}, {row['bounces']} bounces"

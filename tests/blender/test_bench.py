@@ -33,6 +33,8 @@ def test_quick_run_writes_what_it_says(tmp_path, capfd):
     assert [row["roughness"] for row in results["roughness"]][::3] == ["uniform", "4 classes on the back"]
     assert [row["lobes"] for row in results["lobes"]] == ["table", "analytic"] * 2
     assert {row["method"] for row in results["updates"]} == {"bundle", "traced"}
+    assert {(row["method"], row["bounces"]) for row in results["coatings"]} == {
+        (method, bounces) for method in ("bundle", "traced") for bounces in (0, 1, 2)}
     assert [row["bounces"] for row in results["bounces"]] == list(plan.QUICK.bounces)
     assert {row["engine"] for row in results["engines"]} == {*frames.METHODS, "reference", "cycles"}
     assert (tmp_path / "engines.png").is_file() and (tmp_path / "preparation.png").is_file()
@@ -100,8 +102,12 @@ def test_ratios():
     lobes = [{"method": "bundle", "lobes": "table", "frame_ms": 4.0},
              {"method": "bundle", "lobes": "analytic", "frame_ms": 2.0}]
     bounces = [{"bounces": 2, "speedup_at_equal_samples": 1.5, "speedup_at_equal_noise": 9.0}]
+    coated = [{"base": "sharp", "method": "traced", "bounces": count, "frame_ms": 4.0 + count}
+              for count in (0, 2)]
     found = summary.ratios({"models": models, "engines": rows, "refraction": refraction, "threads": threads,
-                            "roughness": roughness, "lobes": lobes, "bounces": bounces})
+                            "roughness": roughness, "lobes": lobes, "bounces": bounces,
+                            "coatings": coated})
+    assert found["coating, sharp, 2 bounces / glossy layer, traced"] == pytest.approx(1.5)
     assert found["recursive / ENDF at equal noise, 2 bounces"] == 9.0
     assert found["analytic / table lobes, bundle"] == pytest.approx(0.5)
     assert found["4 classes / uniform roughness"] == pytest.approx(1.5)

@@ -129,8 +129,9 @@ class Coated:
         tracer.render(1)
         return tracer.frame().depth < BACKGROUND_DEPTH
 
-    def path_tracer(self, seed: int = 0, method: str = "truth") -> core.PathTracer:
+    def path_tracer(self, seed: int = 0, method: str = "truth", max_interfaces: int = 64) -> core.PathTracer:
         settings = core.PathSettings()
+        settings.max_interfaces = max_interfaces
         settings.width = settings.height = self.setting.studio.size
         settings.layers = LAYERS[method]
         settings.seed = seed
@@ -165,12 +166,13 @@ class Coated:
 
 def errors(pixels: np.ndarray, halves: tuple[np.ndarray, np.ndarray], mask: np.ndarray) -> Row:
     """How far pixels are from the mean of two independent truths: the mean error as a share of the mean
-    light, beside what of such an error is the truth's own noise; relmse_net as metrics has it."""
+    light, beside what the truth's own noise would make; bias and relmse_net as metrics has them."""
     first, second = halves
-    mean_light = 0.5 * float(np.mean(first[mask] + second[mask], dtype=np.float64))
-    difference = pixels - 0.5 * (first + second)
-    return {"mean_relative_error": float(np.mean(np.abs(difference[mask]), dtype=np.float64)) / mean_light,
-            "mean_relative_noise": 0.5 * float(np.mean(np.abs(first - second)[mask])) / mean_light,
+    truth = 0.5 * (first + second)
+    light = float(np.mean(truth[mask], dtype=np.float64))
+    return {"mean_relative_error": float(np.mean(np.abs(pixels - truth)[mask], dtype=np.float64)) / light,
+            "mean_relative_noise": float(np.mean(0.5 * np.abs(first - second)[mask])) / light,
+            "bias": metrics.bias(pixels, truth, mask),
             "relmse_net": metrics.relmse_net(pixels, halves, mask)}
 
 
