@@ -73,8 +73,10 @@ const int SHADED_KIND = KIND_COATED;
 
 uniform sampler2D coating_rows;  // tables one below the other; see core/passes/gpu_scene.h
 
-vec4 sample_coating_rows(float column, float row) {
-    return textureLod(coating_rows, (vec2(column, row) + 0.5) / vec2(textureSize(coating_rows, 0)), 0.0);
+vec4 sample_coating_row(float column, int row) {
+    int i = min(int(column), COATING_ITEMS * COATING_ANGLES - 2);
+    return mix(texelFetch(coating_rows, ivec2(i, row), 0), texelFetch(coating_rows, ivec2(i + 1, row), 0),
+               column - float(i));
 }
 
 #include "lib/coated_lookup.glsl"
@@ -82,17 +84,18 @@ vec4 sample_coating_rows(float column, float row) {
 // Loops in place of branches: software OpenGL walks through both sides of each branch.
 
 // Under the one lobe of a group that isn't divided: as wide along one axis as lobes at slanted views are, and as a core
-// and a tail where the outer side's lobes have them.
-vec3 narrow_radiance(Place place, Lobe lobe, bool tail) {
+// and a tail where the outer side's lobes have them. taps: EXIT_TAPS, or 1 for the middle one.
+vec3 narrow_radiance(Place place, Lobe lobe, bool tail, int taps) {
     WideLobe wide = wide_lobe(lobe.direction, lobe.spread, place.side);
     int widths = tail ? 2 : 1;
     vec3 sum = vec3(0.0);
     for (int width = 0; width < widths; ++width) {
         float share = !tail ? 1.0 : width == 0 ? 1.0 - TAIL_SHARE : TAIL_SHARE;
         float spread = !tail ? wide.spread : widened_spread(wide.spread, width == 0 ? CORE_WIDTH : TAIL_WIDTH);
-        for (int i = 0; i < EXIT_TAPS; ++i) sum += share * incoming_radiance(place, tap_direction(wide, i), spread);
+        for (int i = 0; i < taps; ++i)
+            sum += share * incoming_radiance(place, tap_direction(wide, i + (EXIT_TAPS - taps) / 2), spread);
     }
-    return sum / float(EXIT_TAPS);
+    return sum / float(taps);
 }
 
 vec3 group_radiance(Place place, Coating coating, CoatingPlace at, int group, bool tail) {
@@ -100,11 +103,11 @@ vec3 group_radiance(Place place, Coating coating, CoatingPlace at, int group, bo
     int narrow = parts == 1 ? 1 : 0;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < narrow; ++i) {
-        Lobe lobe = coating_lobe(coating.table, at, group, coating_part(at, group, 0), 1.0);
-        sum += narrow_radiance(place, lobe, tail);
+        Lobe lobe = coating_lobe(coating.table, at, group, coating_part(coating.table, at, group, 0), 1.0);
+        sum += narrow_radiance(place, lobe, tail, group == COATING_FURTHER ? 1 : EXIT_TAPS);
     }
     for (int i = 0; i < (1 - narrow) * 2 * parts; ++i) {
-        Lobe lobe = coating_lobe(coating.table, at, group, coating_part(at, group, i / 2), float(1 - 2 * (i & 1)));
+        Lobe lobe = coating_lobe(coating.table, at, group, coating_part(coating.table, at, group, i / 2), float(1 - 2 * (i & 1)));
         float spread = max(lobe.spread, environment_spread(0));
         sum += lobe.energy * (blurred_radiance(lobe.direction, spread) + local_radiance(place, lobe.direction, lobe.spread));
     }
@@ -119,7 +122,7 @@ vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 positio
                               layer.edge_tint.rgb, layer.base_color.w > 0.0, layer.kind.y);
     Place place = Place(position, n);
     CoatingPlace at = coating_place(coating, d, n);
-    CoatingLight light = coating_light(at);
+    CoatingLight light = coating_light(table, at);
     int last = min(coating.bounces, COATING_FURTHER);
     vec3 sum = vec3(0.0);
     for (int group = reflection ? COATING_MIRRORED : COATING_FIRST; group <= last; ++group) {

@@ -17,16 +17,11 @@ class CoatingModel {
     struct Lookup {
         const std::vector<vec4>& rows;
 
-        // Bilinear interpolation, as GL_LINEAR does with nodes at the centres of texels.
-        vec4 sample_coating_rows(float column, float row) const {
+        vec4 sample_coating_row(float column, int row) const {
             constexpr int width = COATING_ITEMS * COATING_ANGLES;
             const int i = std::min(static_cast<int>(column), width - 2);
-            const int j = static_cast<int>(row);
-            const float t = column - static_cast<float>(i);
-            const float s = row - static_cast<float>(j);
-            const vec4* node = &rows[std::size_t(j) * width + i];
-            const vec4 value = mix(node[0], node[1], t);
-            return s > 0.0F ? mix(value, mix(node[width], node[width + 1], t), s) : value;
+            const vec4* node = &rows[std::size_t(row) * width + i];
+            return mix(node[0], node[1], column - static_cast<float>(i));
         }
 
 #include "shaders/lib/coated_lookup.glsl"
@@ -39,12 +34,14 @@ class CoatingModel {
     CoatingPlace coating_place(const Coating& coating, const vec3& d, const vec3& n) const {
         return lookup().coating_place(coating, d, n);
     }
-    CoatingLight coating_light(const CoatingPlace& place) const { return lookup().coating_light(place); }
+    CoatingLight coating_light(const CoatingTable& table, const CoatingPlace& place) const {
+        return lookup().coating_light(table, place);
+    }
     int coating_parts(const CoatingTable& table, int group) const {
         return lookup().coating_parts(table, group);
     }
-    vec4 coating_part(const CoatingPlace& place, int group, int part) const {
-        return lookup().coating_part(place, group, part);
+    vec4 coating_part(const CoatingTable& table, const CoatingPlace& place, int group, int part) const {
+        return lookup().coating_part(table, place, group, part);
     }
     Lobe coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group, const vec4& part,
                       float side) const {

@@ -267,7 +267,7 @@ void MaterialCache::upload_coatings() {
     const std::vector<glm::vec4>& rows = coatings_.rows();
     if (rows.empty()) return;
     const int height = static_cast<int>(rows.size()) / width;
-    coating_rows_ = gl::Texture(GL_RGBA32F, width, height, GL_LINEAR, 1);
+    coating_rows_ = gl::Texture(GL_RGBA32F, width, height, GL_NEAREST, 1);
     glTextureSubImage2D(coating_rows_.id(), 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, rows.data());
 }
 

@@ -66,7 +66,7 @@ void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm:
                                  .diffuse = layer.diffuse,
                                  .bounces = std::min(layer.bounces, Layer::max_bounces)};
     const model::CoatingPlace place = lobes.coating_place(coating, d, n);
-    const model::CoatingLight light = lobes.coating_light(place);
+    const model::CoatingLight light = lobes.coating_light(coating.table, place);
     for (int group = 0; group < model::COATING_GROUPS; ++group) {
         const bool mirrored = group == model::COATING_MIRRORED;
         const glm::vec3 color = model::coating_color(coating, light, group) *
@@ -74,7 +74,7 @@ void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm:
         if (model::greatest(color) <= 0.0F) continue;
         const int parts = lobes.coating_parts(coating.table, group);
         for (int i = 0; i < parts; ++i) {
-            const glm::vec4 part = lobes.coating_part(place, group, i);
+            const glm::vec4 part = lobes.coating_part(coating.table, place, group, i);
             for (const float side : {1.0F, -1.0F}) {
                 add({mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin,
                      lobes.coating_lobe(coating.table, place, group, part, side), color});

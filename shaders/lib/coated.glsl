@@ -46,9 +46,9 @@ struct Coating {
 // Where a viewer and two roughnesses are in a table, and the frame of the surface.
 struct CoatingPlace {
     float column;  // within an item
-    float row;
-    float next_row;  // of the outer side's next roughness
-    float next_share;
+    int row;       // of the roughnesses next below
+    float base_share;  // of the base's next roughness
+    float outer_share;
     vec3 tangent;
     vec3 side;  // across the plane of incidence
     vec3 n;

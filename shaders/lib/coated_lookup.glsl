@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lobes of coatings from the tables of coated.glsl. The including code provides
-//     vec4 sample_coating_rows(float column, float row)
-// with linear interpolation between nodes of all rows, whose items lie side by side.
+//     vec4 sample_coating_row(float column, int row)
+// with linear interpolation between nodes of a row, whose items lie side by side.
+
+// Where a roughness is among nodes.
+SHARED float coating_node(float roughness, float least, float greatest, int nodes) {
+    float t = (coating_axis(roughness) - least) / max(greatest - least, 1e-6f);
+    return clamp(t, 0.0f, 1.0f) * float(nodes - 1);
+}
 
 SHARED CoatingPlace coating_place(Coating coating, vec3 d, vec3 n) {
     CoatingTable table = coating.table;
@@ -13,28 +19,35 @@ SHARED CoatingPlace coating_place(Coating coating, vec3 d, vec3 n) {
     place.tangent = normalize(tangent);
     place.side = cross(n, place.tangent);
     place.column = coating_column(-dot(d, n)) * float(COATING_ANGLES - 1);
-    float base = clamp((coating_axis(coating.base_roughness) - table.base_least) /
-                           max(table.base_greatest - table.base_least, 1e-6f), 0.0f, 1.0f) * float(table.base_nodes - 1);
-    float outer = clamp((coating_axis(coating.outer_roughness) - table.outer_least) /
-                            max(table.outer_greatest - table.outer_least, 1e-6f), 0.0f, 1.0f) *
-                  float(table.outer_nodes - 1);
-    float node = min(floor(outer), float(max(table.outer_nodes - 2, 0)));
-    place.row = float(table.first_row) + node * float(table.base_nodes) + base;
-    place.next_row = place.row + float(table.base_nodes);
-    place.next_share = outer - node;
+    float base = coating_node(coating.base_roughness, table.base_least, table.base_greatest, table.base_nodes);
+    float outer = coating_node(coating.outer_roughness, table.outer_least, table.outer_greatest, table.outer_nodes);
+    int base_node = max(min(int(base), table.base_nodes - 2), 0);
+    int outer_node = max(min(int(outer), table.outer_nodes - 2), 0);
+    place.row = table.first_row + outer_node * table.base_nodes + base_node;
+    place.base_share = base - float(base_node);
+    place.outer_share = outer - float(outer_node);
     return place;
 }
 
-SHARED vec4 coating_item(CoatingPlace place, int item) {
+// Between the four rows about a place; one is enough where both roughnesses are uniform.
+SHARED vec4 coating_item(CoatingTable table, CoatingPlace place, int item) {
     float column = float(item * COATING_ANGLES) + place.column;
-    vec4 value = sample_coating_rows(column, place.row);
-    if (place.next_share <= 0.0f) return value;
-    return mix(value, sample_coating_rows(column, place.next_row), place.next_share);
+    int base_rows = min(table.base_nodes, 2);
+    int rows = base_rows * min(table.outer_nodes, 2);
+    vec4 sum = vec4(0.0f);
+    for (int i = 0; i < rows; ++i) {
+        int next_base = i % base_rows;
+        int next_outer = i / base_rows;
+        float share = (next_base == 1 ? place.base_share : 1.0f - place.base_share) *
+                      (next_outer == 1 ? place.outer_share : 1.0f - place.outer_share);
+        sum += share * sample_coating_row(column, place.row + next_outer * table.base_nodes + next_base);
+    }
+    return sum;
 }
 
-SHARED CoatingLight coating_light(CoatingPlace place) {
-    vec4 energies = coating_item(place, 0);
-    vec4 means = coating_item(place, 1);
+SHARED CoatingLight coating_light(CoatingTable table, CoatingPlace place) {
+    vec4 energies = coating_item(table, place, 0);
+    vec4 means = coating_item(table, place, 1);
     CoatingLight light;
     light.energy = vec3(energies.x, energies.y, energies.z);
     light.ratio = energies.w;
@@ -52,8 +65,8 @@ SHARED int coating_parts(CoatingTable table, int group) {
     return group == COATING_FURTHER ? COATING_SLICES : COATING_PARTS;
 }
 
-SHARED vec4 coating_part(CoatingPlace place, int group, int part) {
-    return coating_item(place, 2 + group * COATING_PARTS + part);
+SHARED vec4 coating_part(CoatingTable table, CoatingPlace place, int group, int part) {
+    return coating_item(table, place, 2 + group * COATING_PARTS + part);
 }
 
 // The lobe of a part to one side of the plane of incidence, +1 or -1; its energy is its share of the group's.

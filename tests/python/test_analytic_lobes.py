@@ -68,19 +68,13 @@ def pane():
     return material
 
 
-def coating():
-    material = glass(kind="COATED", roughness=0.2)
-    material.layer.roughness = 0.4
-    return material
-
-
 def textured():
     values = np.tile(np.float32([[0.2, 0.6], [0.6, 0.2]]), (4, 4))
     return glass(roughness_texture=verglas.Texture("Checks", values))
 
 
 @pytest.mark.parametrize("make_renderer", [verglas.Renderer, verglas.TracedRenderer])
-@pytest.mark.parametrize("make_material", [glass, textured, pane, coating])
+@pytest.mark.parametrize("make_material", [glass, textured, pane])
 def test_looks_about_as_with_tables(make_renderer, make_material):
     """A user loses: the choice between both for all kinds of glass, or a choice that is taken back."""
     renderer, scene = make_renderer(), ball_of(make_material())

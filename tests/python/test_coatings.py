@@ -85,7 +85,7 @@ def test_without_bounces_the_outer_side_alone_reflects(device, degrees):  # noqa
     """A glossy surface, with which coatings are compared, would be another one, or cost as much as they."""
     alone = coated_scene(coating_of(1e3, 10.0, bounces=0), degrees, 1.0)
     over_black = coated_scene(coating_of(1e3, 10.0, diffuse=True, base_color=(0, 0, 0)), degrees, 1.0)
-    assert rendered(device, alone, 1) == pytest.approx(rendered(device, over_black, 1), rel=1e-4)
+    assert rendered(device, alone, 1) == pytest.approx(rendered(device, over_black, 1), rel=1e-3)
     for layers in 'RECURSIVE', 'ENDF', 'WEIDLICH_WILKIE':
         truth = path_traced(over_black, 512)
         assert path_traced(alone, 512, layers) == pytest.approx(truth, rel=0.02), layers
