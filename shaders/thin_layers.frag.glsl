@@ -81,35 +81,61 @@ vec4 sample_coating_row(float column, int row) {
 
 #include "lib/coated_lookup.glsl"
 
-// Loops in place of branches: software OpenGL walks through both sides of each branch.
+// A coated place.
+struct Coated {
+    Coating coating;
+    CoatingPlace at;
+    Place place;
+    int groups;      // those of the bounces
+    mat3 colors;     // by group; 0 where it isn't shown
+    bool has_tails;  // the mirrored lobe
+};
 
-// Under the one lobe of a group that isn't divided: as wide along one axis as lobes at slanted views are, and as a core
-// and a tail where the outer side's lobes have them. taps: EXIT_TAPS, or 1 for the middle one.
-vec3 narrow_radiance(Place place, Lobe lobe, bool tail, int taps) {
-    WideLobe wide = wide_lobe(lobe.direction, lobe.spread, place.side);
-    int widths = tail ? 2 : 1;
+// Loops in place of branches, and as few as can be: software OpenGL walks through both sides of each branch, and once
+// through each loop.
+
+// Of groups that aren't divided: one lobe, as wide along one axis as lobes at slanted views are, or in the further
+// bounces round; as a core and a tail where the outer side's lobes have them.
+vec3 narrow_radiance(Coated coated) {
     vec3 sum = vec3(0.0);
-    for (int width = 0; width < widths; ++width) {
-        float share = !tail ? 1.0 : width == 0 ? 1.0 - TAIL_SHARE : TAIL_SHARE;
-        float spread = !tail ? wide.spread : widened_spread(wide.spread, width == 0 ? CORE_WIDTH : TAIL_WIDTH);
-        for (int i = 0; i < taps; ++i)
-            sum += share * incoming_radiance(place, tap_direction(wide, i + (EXIT_TAPS - taps) / 2), spread);
+    for (int group = 0; group < coated.groups; ++group) {
+        CoatingTable table = coated.coating.table;
+        Lobe lobe = coating_lobe(table, coated.at, group, coating_part(table, coated.at, group, 0), 1.0);
+        WideLobe wide = wide_lobe(lobe.direction, lobe.spread, coated.place.side);
+        bool tail = group == COATING_MIRRORED && coated.has_tails;
+        int taps = group == COATING_FURTHER ? 1 : EXIT_TAPS;
+        int lobes = is_divided(table, group) ? 0 : (tail ? 2 : 1) * taps;
+        vec3 color = coated.colors[group] / float(taps);
+        for (int i = 0; i < lobes; ++i) {
+            bool in_tail = i >= taps;
+            vec3 direction = tap_direction(wide, i % taps + (EXIT_TAPS - taps) / 2);
+            float width = !tail ? 1.0 : in_tail ? TAIL_WIDTH : CORE_WIDTH;
+            float share = !tail ? 1.0 : in_tail ? TAIL_SHARE : 1.0 - TAIL_SHARE;
+            sum += share * color * incoming_radiance(coated.place, direction, widened_spread(wide.spread, width));
+        }
     }
-    return sum / float(taps);
+    return sum;
 }
 
-vec3 group_radiance(Place place, Coating coating, CoatingPlace at, int group, bool tail) {
-    int parts = coating_parts(coating.table, group);
-    int narrow = parts == 1 ? 1 : 0;
+// Lobes of a divided group.
+int divided_lobes(Coated coated, int group) {
+    CoatingTable table = coated.coating.table;
+    return group < coated.groups && is_divided(table, group) ? 2 * coating_parts(table, group) : 0;
+}
+
+vec3 divided_radiance(Coated coated) {
+    int mirrored = divided_lobes(coated, COATING_MIRRORED);
+    int first = mirrored + divided_lobes(coated, COATING_FIRST);
+    int all = first + divided_lobes(coated, COATING_FURTHER);
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < narrow; ++i) {
-        Lobe lobe = coating_lobe(coating.table, at, group, coating_part(coating.table, at, group, 0), 1.0);
-        sum += narrow_radiance(place, lobe, tail, group == COATING_FURTHER ? 1 : EXIT_TAPS);
-    }
-    for (int i = 0; i < (1 - narrow) * 2 * parts; ++i) {
-        Lobe lobe = coating_lobe(coating.table, at, group, coating_part(coating.table, at, group, i / 2), float(1 - 2 * (i & 1)));
-        float spread = max(lobe.spread, environment_spread(0));
-        sum += lobe.energy * (blurred_radiance(lobe.direction, spread) + local_radiance(place, lobe.direction, lobe.spread));
+    for (int i = 0; i < all; ++i) {
+        int group = i < mirrored ? COATING_MIRRORED : i < first ? COATING_FIRST : COATING_FURTHER;
+        int j = i - (i < mirrored ? 0 : i < first ? mirrored : first);
+        vec4 part = coating_part(coated.coating.table, coated.at, group, j / 2);
+        Lobe lobe = coating_lobe(coated.coating.table, coated.at, group, part, float(1 - 2 * (j & 1)));
+        vec3 incoming = blurred_radiance(lobe.direction, max(lobe.spread, environment_spread(0))) +
+                        local_radiance(coated.place, lobe.direction, lobe.spread);
+        sum += lobe.energy * coated.colors[group] * incoming;
     }
     return sum;
 }
@@ -118,21 +144,20 @@ vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 positio
     CoatingTable table = CoatingTable(layer.table.x, layer.table.y, layer.table.z, layer.table.w,
                                       layer.table_ranges.x, layer.table_ranges.y, layer.table_ranges.z,
                                       layer.table_ranges.w);
-    Coating coating = Coating(table, roughness.x, roughness.y, layer.optical_depth.rgb, layer.base_color.rgb,
-                              layer.edge_tint.rgb, layer.base_color.w > 0.0, layer.kind.y);
-    Place place = Place(position, n);
-    CoatingPlace at = coating_place(coating, d, n);
-    CoatingLight light = coating_light(table, at);
-    int last = min(coating.bounces, COATING_FURTHER);
-    vec3 sum = vec3(0.0);
-    for (int group = reflection ? COATING_MIRRORED : COATING_FIRST; group <= last; ++group) {
-        bool mirrored = group == COATING_MIRRORED;
-        vec3 color = coating_color(coating, light, group);
-        if (greatest(color) <= 0.0) continue;
-        color *= mirrored ? material.reflection_ior.rgb : material.color_roughness.rgb * material.color_roughness.rgb;
-        sum += color * group_radiance(place, coating, at, group, mirrored && layer.edge_tint.w > 0.0);
-    }
-    return sum;
+    Coated coated;
+    coated.coating = Coating(table, roughness.x, roughness.y, layer.optical_depth.rgb, layer.base_color.rgb,
+                             layer.edge_tint.rgb, layer.base_color.w > 0.0, layer.kind.y);
+    coated.at = coating_place(coated.coating, d, n);
+    coated.place = Place(position, n);
+    coated.groups = min(layer.kind.y, COATING_FURTHER) + 1;
+    coated.has_tails = layer.edge_tint.w > 0.0;
+    CoatingLight light = coating_light(table, coated.at);
+    vec3 refracted = material.color_roughness.rgb * material.color_roughness.rgb;
+    vec3 mirrored = reflection ? material.reflection_ior.rgb : vec3(0.0);
+    coated.colors = mat3(mirrored * coating_color(coated.coating, light, COATING_MIRRORED),
+                         refracted * coating_color(coated.coating, light, COATING_FIRST),
+                         refracted * coating_color(coated.coating, light, COATING_FURTHER));
+    return narrow_radiance(coated) + divided_radiance(coated);
 }
 
 #endif

@@ -33,9 +33,9 @@ SHARED CoatingPlace coating_place(Coating coating, vec3 d, vec3 n) {
 SHARED vec4 coating_item(CoatingTable table, CoatingPlace place, int item) {
     float column = float(item * COATING_ANGLES) + place.column;
     int base_rows = min(table.base_nodes, 2);
-    int rows = base_rows * min(table.outer_nodes, 2);
+    int corners = base_rows * min(table.outer_nodes, 2);
     vec4 sum = vec4(0.0f);
-    for (int i = 0; i < rows; ++i) {
+    for (int i = 0; i < corners; ++i) {
         int next_base = i % base_rows;
         int next_outer = i / base_rows;
         float share = (next_base == 1 ? place.base_share : 1.0f - place.base_share) *
