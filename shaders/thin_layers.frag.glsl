@@ -88,30 +88,31 @@ struct Coated {
     Place place;
     int groups;      // those of the bounces
     mat3 colors;     // by group; 0 where it isn't shown
+    float further;   // of the first bounce's light, what is joined to it
     bool has_tails;  // the mirrored lobe
 };
 
 // Loops in place of branches, and as few as can be: software OpenGL walks through both sides of each branch, and once
 // through each loop.
 
-// Of groups that aren't divided: one lobe, as wide along one axis as lobes at slanted views are, or in the further
-// bounces round; as a core and a tail where the outer side's lobes have them.
+// Of groups that aren't divided: one lobe, as wide along one axis as lobes at slanted views are; as a core and a tail
+// where the outer side's lobes have them.
 vec3 narrow_radiance(Coated coated) {
+    CoatingTable table = coated.coating.table;
     vec3 sum = vec3(0.0);
-    for (int group = 0; group < coated.groups; ++group) {
-        CoatingTable table = coated.coating.table;
-        Lobe lobe = coating_lobe(table, coated.at, group, coating_part(table, coated.at, group, 0), 1.0);
+    for (int group = 0; group < min(coated.groups, COATING_FURTHER); ++group) {
+        bool mirrored = group == COATING_MIRRORED;
+        Lobe lobe = narrow_coating_lobe(table, coated.at, group, mirrored ? 0.0 : coated.further);
         WideLobe wide = wide_lobe(lobe.direction, lobe.spread, coated.place.side);
-        bool tail = group == COATING_MIRRORED && coated.has_tails;
-        int taps = group == COATING_FURTHER ? 1 : EXIT_TAPS;
-        int lobes = is_divided(table, group) ? 0 : (tail ? 2 : 1) * taps;
-        vec3 color = coated.colors[group] / float(taps);
+        bool tail = mirrored && coated.has_tails;
+        int lobes = is_divided(table, group) ? 0 : (tail ? 2 : 1) * EXIT_TAPS;
+        vec3 color = coated.colors[group] / float(EXIT_TAPS);
         for (int i = 0; i < lobes; ++i) {
-            bool in_tail = i >= taps;
-            vec3 direction = tap_direction(wide, i % taps + (EXIT_TAPS - taps) / 2);
+            bool in_tail = i >= EXIT_TAPS;
             float width = !tail ? 1.0 : in_tail ? TAIL_WIDTH : CORE_WIDTH;
             float share = !tail ? 1.0 : in_tail ? TAIL_SHARE : 1.0 - TAIL_SHARE;
-            sum += share * color * incoming_radiance(coated.place, direction, widened_spread(wide.spread, width));
+            sum += share * color * incoming_radiance(coated.place, tap_direction(wide, i % EXIT_TAPS),
+                                                     widened_spread(wide.spread, width));
         }
     }
     return sum;
@@ -157,6 +158,9 @@ vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 positio
     coated.colors = mat3(mirrored * coating_color(coated.coating, light, COATING_MIRRORED),
                          refracted * coating_color(coated.coating, light, COATING_FIRST),
                          refracted * coating_color(coated.coating, light, COATING_FURTHER));
+    vec3 joined = is_joined(table) ? coated.colors[COATING_FURTHER] : vec3(0.0);
+    coated.colors[COATING_FIRST] += joined;
+    coated.further = greatest(joined) / max(greatest(coated.colors[COATING_FIRST]), 1e-12);
     return narrow_radiance(coated) + divided_radiance(coated);
 }
 

@@ -48,6 +48,12 @@ class CoatingModel {
         return lookup().coating_lobe(table, place, group, part, side);
     }
 
+    bool is_joined(const CoatingTable& table) const { return lookup().is_joined(table); }
+    Lobe narrow_coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group,
+                             float further) const {
+        return lookup().narrow_coating_lobe(table, place, group, further);
+    }
+
   private:
     Lookup lookup() const { return {rows_}; }
 

@@ -354,6 +354,10 @@ CoatingTable CoatingTable::build(const CoatingKey& key) {
             for (const Node& node : row)
                 if (node.whole[group].w > std::log2(most_undivided)) layout.divided |= 1 << group;
     }
+    // So that lobes of all bounces are joined or none.
+    constexpr unsigned first = 1U << model::COATING_FIRST;
+    constexpr unsigned further = 1U << model::COATING_FURTHER;
+    if ((static_cast<unsigned>(layout.divided) & first) != 0) layout.divided |= further;
     table.nodes.reserve(std::size_t(rows) * COATING_ITEMS * COATING_ANGLES);
     for (const Row& row : nodes) {
         for (const Node& node : row) table.nodes.push_back(node.energies);

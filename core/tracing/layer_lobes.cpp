@@ -2,6 +2,7 @@
 #include "core/tracing/layer_lobes.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "core/tracing/crossing.h"
@@ -67,19 +68,32 @@ void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm:
                                  .bounces = std::min(layer.bounces, Layer::max_bounces)};
     const model::CoatingPlace place = lobes.coating_place(coating, d, n);
     const model::CoatingLight light = lobes.coating_light(coating.table, place);
+    std::array<glm::vec3, model::COATING_GROUPS> colors;
+    for (int group = 0; group < model::COATING_GROUPS; ++group)
+        colors[group] =
+            model::coating_color(coating, light, group) *
+            (group == model::COATING_MIRRORED ? material.reflection_color : material.color * material.color);
+    float further = 0.0F;  // of the base's light that goes with the first bounce
+    if (lobes.is_joined(coating.table)) {
+        const glm::vec3 joined = std::exchange(colors[model::COATING_FURTHER], glm::vec3(0.0F));
+        colors[model::COATING_FIRST] += joined;
+        further = model::greatest(joined) / std::max(model::greatest(colors[model::COATING_FIRST]), 1e-12F);
+    }
     for (int group = 0; group < model::COATING_GROUPS; ++group) {
+        if (model::greatest(colors[group]) <= 0.0F) continue;
         const bool mirrored = group == model::COATING_MIRRORED;
-        const glm::vec3 color = model::coating_color(coating, light, group) *
-                                (mirrored ? material.reflection_color : material.color * material.color);
-        if (model::greatest(color) <= 0.0F) continue;
+        const LayerLobe::Way way = mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin;
         const int parts = lobes.coating_parts(coating.table, group);
+        if (parts == 1) {
+            add({way,
+                 lobes.narrow_coating_lobe(coating.table, place, group, mirrored ? 0.0F : further),
+                 colors[group]});
+            continue;
+        }
         for (int i = 0; i < parts; ++i) {
             const glm::vec4 part = lobes.coating_part(coating.table, place, group, i);
-            for (const float side : {1.0F, -1.0F}) {
-                add({mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin,
-                     lobes.coating_lobe(coating.table, place, group, part, side), color});
-                if (parts == 1) break;  // in the plane itself
-            }
+            for (const float side : {1.0F, -1.0F})
+                add({way, lobes.coating_lobe(coating.table, place, group, part, side), colors[group]});
         }
     }
 }

@@ -59,6 +59,9 @@ SHARED CoatingLight coating_light(CoatingTable table, CoatingPlace place) {
 
 SHARED bool is_divided(CoatingTable table, int group) { return ((table.divided >> group) & 1) != 0; }
 
+// Whether the further bounces are one lobe with the first one.
+SHARED bool is_joined(CoatingTable table) { return !is_divided(table, COATING_FURTHER); }
+
 // How many parts a group has; one that isn't divided is the first of them.
 SHARED int coating_parts(CoatingTable table, int group) {
     if (!is_divided(table, group)) return 1;
@@ -75,5 +78,17 @@ SHARED Lobe coating_lobe(CoatingTable table, CoatingPlace place, int group, vec4
     lobe.energy = is_divided(table, group) ? 0.5f / float(coating_parts(table, group)) : 1.0f;
     lobe.spread = clamp(exp2(part.w), LOBE_MIN_SPREAD, 1.0f);
     lobe.direction = normalize(part.x * place.tangent + side * part.y * place.side + part.z * place.n);
+    return lobe;
+}
+
+// The one lobe of a group that isn't divided, of energy 1. further: of light from the base, the part that has met it more
+// often, where that is joined; it comes from nearly the same direction.
+SHARED Lobe narrow_coating_lobe(CoatingTable table, CoatingPlace place, int group, float further) {
+    Lobe lobe = coating_lobe(table, place, group, coating_part(table, place, group, 0), 1.0f);
+    if (further <= 0.0f) return lobe;
+    Lobe other = coating_lobe(table, place, COATING_FURTHER, coating_part(table, place, COATING_FURTHER, 0), 1.0f);
+    vec3 between = other.direction - lobe.direction;
+    lobe.spread = mix(lobe.spread, other.spread, further) + 0.5f * further * (1.0f - further) * dot(between, between);
+    lobe.direction = normalize(lobe.direction + further * between);
     return lobe;
 }
