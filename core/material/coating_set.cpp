@@ -14,9 +14,8 @@ bool CoatingSet::update(const std::vector<Material>& materials) {
         if (kept.count(key) > 0) continue;
         const auto known = tables_.find(key);
         changed = changed || known == tables_.end();
-        kept[key] = known != tables_.end()
-                        ? known->second
-                        : std::make_shared<const CoatingTable>(CoatingTable::build(key));
+        kept[key] = known != tables_.end() ? known->second
+                                           : std::make_shared<const CoatingTable>(CoatingTable::build(key));
     }
     changed = changed || kept.size() != tables_.size();
     tables_ = std::move(kept);

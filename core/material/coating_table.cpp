@@ -77,7 +77,8 @@ void follow(const LayeredSurface& layer, bool reflects_inside, const glm::vec3& 
         if (const auto left = layer.near().sample(seen, facet, Event::Refract)) {
             const float w = weight * left->weight;
             const int group = bounce == 0 ? model::COATING_FIRST : model::COATING_FURTHER;
-            scattered.groups[group].push_back({{left->direction.x, left->direction.y, -left->direction.z}, w});
+            scattered.groups[group].push_back(
+                {{left->direction.x, left->direction.y, -left->direction.z}, w});
             scattered.energies[bounce] += w;
             scattered.ways[bounce] += double{w} * way;
             if (bounce == 0) {
@@ -126,7 +127,8 @@ glm::vec4 whole_lobe(const std::vector<Weighted>& group) {
 
 // In parts of equal energy by a coordinate of their directions; what lies on a border is shared.
 template <typename Coordinate>
-std::vector<std::vector<Weighted>> divided(const std::vector<Weighted>& light, int parts, Coordinate coordinate) {
+std::vector<std::vector<Weighted>> divided(const std::vector<Weighted>& light, int parts,
+                                           Coordinate coordinate) {
     std::vector<std::pair<float, Weighted>> sorted;
     double total = 0.0;
     for (const Weighted& i : light) {
@@ -152,24 +154,23 @@ std::vector<std::vector<Weighted>> divided(const std::vector<Weighted>& light, i
     return result;
 }
 
-// Lobes with the means of their parts would stand apart, with gaps between them: their mean vectors are drawn together
-// so far, which leaves that of the whole as it is and makes each of them wider. Measured under the forest map, on
-// coatings of kappa 1 to 1e6, where it is flat.
+// Lobes with the means of their parts would stand apart, with gaps between them: their mean vectors are drawn
+// together so far, which leaves that of the whole as it is and makes each of them wider. Measured under the
+// forest map, on coatings of kappa 1 to 1e6, where it is flat.
 constexpr double drawn_together = 0.1;
 
 using Parts = std::array<glm::vec4, COATING_PARTS>;
 
-int parts_of(int group) {
-    return group == model::COATING_FURTHER ? model::COATING_SLICES : COATING_PARTS;
-}
+int parts_of(int group) { return group == model::COATING_FURTHER ? model::COATING_SLICES : COATING_PARTS; }
 
-// Of a group, in parts by the angle in the plane of incidence and by the distance from it, folded to one side.
+// Of a group, in parts by the angle in the plane of incidence and by the distance from it, folded to one
+// side.
 Parts divided_lobes(const std::vector<Weighted>& light, int parts) {
     const dvec3 whole = mean_of(light, [](const glm::vec3& i) { return glm::vec3(i.x, 0.0F, i.z); });
     Parts lobes;
     auto lobe = lobes.begin();
-    for (const auto& slice : divided(light, model::COATING_SLICES,
-                                     [](const glm::vec3& i) { return std::atan2(i.x, i.z); })) {
+    for (const auto& slice :
+         divided(light, model::COATING_SLICES, [](const glm::vec3& i) { return std::atan2(i.x, i.z); })) {
         for (const auto& part : divided(slice, parts / model::COATING_SLICES,
                                         [](const glm::vec3& i) { return std::abs(i.y); })) {
             const dvec3 folded =
@@ -189,7 +190,8 @@ struct Node {
     std::array<Parts, COATING_GROUPS> divided{};
 };
 
-Node node_of(const LayeredSurface& layer, bool reflects_inside, const std::vector<Point>& points, float cos_theta) {
+Node node_of(const LayeredSurface& layer, bool reflects_inside, const std::vector<Point>& points,
+             float cos_theta) {
     const glm::vec3 o(-std::sqrt(1.0F - cos_theta * cos_theta), 0.0F, cos_theta);
     Scattered scattered;
     for (const Point& point : points) follow(layer, reflects_inside, o, point, scattered);
@@ -225,9 +227,9 @@ void fill_dark(Row& row) {
     }
 }
 
-// Behind a rough outer side little light leaves, and the points are too few for it; but then all changes slowly with
-// the angle, and means over neighbours, each with points of its own, stand for more. At straight views there are fewer
-// neighbours, and more points.
+// Behind a rough outer side little light leaves, and the points are too few for it; but then all changes
+// slowly with the angle, and means over neighbours, each with points of its own, stand for more. At straight
+// views there are fewer neighbours, and more points.
 constexpr float least_smoothed_alpha = 0.2F;
 constexpr int smoothed_neighbours = 3;
 constexpr int points_at_the_end = 4;  // times as many

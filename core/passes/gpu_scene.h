@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/gl/objects.h"
+#include "core/material/coating_set.h"
 #include "core/material/model.h"
 #include "core/material/roughness_classes.h"
-#include "core/material/coating_set.h"
 #include "core/material/table_set.h"
 #include "core/passes/environment_filter.h"
 #include "core/scene/scene.h"

@@ -85,8 +85,7 @@ void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm:
         const LayerLobe::Way way = mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin;
         const int parts = lobes.coating_parts(coating.table, group);
         if (parts == 1) {
-            add({way,
-                 lobes.narrow_coating_lobe(coating.table, place, group, mirrored ? 0.0F : further),
+            add({way, lobes.narrow_coating_lobe(coating.table, place, group, mirrored ? 0.0F : further),
                  colors[group]});
             continue;
         }

@@ -46,8 +46,8 @@ class LayerLobes {
     void add_coated(const TracedScene& scene, const Hit& hit, const glm::vec3& d, const glm::vec3& n);
 
     // Of a coating; a pane has a transmitted one, two fans, and a mirrored one.
-    static constexpr std::size_t most_lobes = std::max(2 * model::COATING_GROUPS * model::COATING_PARTS,
-                                                       2 + 2 * model::FAN_RAYS);
+    static constexpr std::size_t most_lobes =
+        std::max(2 * model::COATING_GROUPS * model::COATING_PARTS, 2 + 2 * model::FAN_RAYS);
 
     std::array<LayerLobe, most_lobes> lobes_;
     std::size_t count_ = 0;
