@@ -30,7 +30,7 @@ constexpr int most_points = 2048;
 constexpr int least_points = 1024;
 
 // A group with wider lobes than this is divided.
-constexpr float most_undivided = 0.02F;
+constexpr float most_undivided = 0.05F;
 
 // Bounces that are followed; further ones go on as the last.
 constexpr int followed_bounces = 3;
