@@ -83,14 +83,22 @@ vec4 sample_coating_row(float column, int row) {
 
 // A coated place.
 struct Coated {
-    Coating coating;
+    CoatingTable table;
     CoatingPlace at;
     Place place;
-    int groups;      // those of the bounces
-    mat3 colors;     // by group; 0 where it isn't shown
-    float further;   // of the first bounce's light, what is joined to it
-    bool has_tails;  // the mirrored lobe
+    CoatingColors colors;  // 0 of what isn't shown
+    bool has_tails;        // the mirrored lobe
 };
+
+// How many lobes there are to look up of a group.
+int shown_lobes(Coated coated, int group) {
+    return greatest(coated.colors.groups[group]) > 0.0 ? coating_lobes(coated.table, group) : 0;
+}
+
+Lobe lobe_of(Coated coated, int group, int i) {
+    float further = group == COATING_FIRST ? coated.colors.further : 0.0;
+    return coating_lobe(coated.table, coated.at, group, i, further);
+}
 
 // Loops in place of branches, and as few as can be: software OpenGL walks through both sides of each branch, and once
 // through each loop.
@@ -98,16 +106,14 @@ struct Coated {
 // Of groups that aren't divided: one lobe, as wide along one axis as lobes at slanted views are; as a core and a tail
 // where the outer side's lobes have them.
 vec3 narrow_radiance(Coated coated) {
-    CoatingTable table = coated.coating.table;
     vec3 sum = vec3(0.0);
-    for (int group = 0; group < min(coated.groups, COATING_FURTHER); ++group) {
-        bool mirrored = group == COATING_MIRRORED;
-        Lobe lobe = narrow_coating_lobe(table, coated.at, group, mirrored ? 0.0 : coated.further);
+    for (int group = 0; group <= COATING_FIRST; ++group) {
+        Lobe lobe = lobe_of(coated, group, 0);
         WideLobe wide = wide_lobe(lobe.direction, lobe.spread, coated.place.side);
-        bool tail = mirrored && coated.has_tails;
-        int lobes = is_divided(table, group) ? 0 : (tail ? 2 : 1) * EXIT_TAPS;
-        vec3 color = coated.colors[group] / float(EXIT_TAPS);
-        for (int i = 0; i < lobes; ++i) {
+        bool tail = group == COATING_MIRRORED && coated.has_tails;
+        int taps = shown_lobes(coated, group) == 1 ? (tail ? 2 : 1) * EXIT_TAPS : 0;
+        vec3 color = coated.colors.groups[group] / float(EXIT_TAPS);
+        for (int i = 0; i < taps; ++i) {
             bool in_tail = i >= EXIT_TAPS;
             float width = !tail ? 1.0 : in_tail ? TAIL_WIDTH : CORE_WIDTH;
             float share = !tail ? 1.0 : in_tail ? TAIL_SHARE : 1.0 - TAIL_SHARE;
@@ -118,25 +124,21 @@ vec3 narrow_radiance(Coated coated) {
     return sum;
 }
 
-// Lobes of a divided group.
-int divided_lobes(Coated coated, int group) {
-    CoatingTable table = coated.coating.table;
-    return group < coated.groups && is_divided(table, group) ? 2 * coating_parts(table, group) : 0;
-}
-
 vec3 divided_radiance(Coated coated) {
-    int mirrored = divided_lobes(coated, COATING_MIRRORED);
-    int first = mirrored + divided_lobes(coated, COATING_FIRST);
-    int all = first + divided_lobes(coated, COATING_FURTHER);
+    ivec3 ends = ivec3(0);  // of each group's lobes
+    int all = 0;
+    for (int group = 0; group < COATING_GROUPS; ++group) {
+        int lobes = shown_lobes(coated, group);
+        all += lobes > 1 ? lobes : 0;
+        ends[group] = all;
+    }
     vec3 sum = vec3(0.0);
     for (int i = 0; i < all; ++i) {
-        int group = i < mirrored ? COATING_MIRRORED : i < first ? COATING_FIRST : COATING_FURTHER;
-        int j = i - (i < mirrored ? 0 : i < first ? mirrored : first);
-        vec4 part = coating_part(coated.coating.table, coated.at, group, j / 2);
-        Lobe lobe = coating_lobe(coated.coating.table, coated.at, group, part, float(1 - 2 * (j & 1)));
+        int group = i < ends.x ? COATING_MIRRORED : i < ends.y ? COATING_FIRST : COATING_FURTHER;
+        Lobe lobe = lobe_of(coated, group, i - (group == COATING_MIRRORED ? 0 : ends[group - 1]));
         vec3 incoming = blurred_radiance(lobe.direction, max(lobe.spread, environment_spread(0))) +
                         local_radiance(coated.place, lobe.direction, lobe.spread);
-        sum += lobe.energy * coated.colors[group] * incoming;
+        sum += lobe.energy * coated.colors.groups[group] * incoming;
     }
     return sum;
 }
@@ -145,22 +147,15 @@ vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 positio
     CoatingTable table = CoatingTable(layer.table.x, layer.table.y, layer.table.z, layer.table.w,
                                       layer.table_ranges.x, layer.table_ranges.y, layer.table_ranges.z,
                                       layer.table_ranges.w);
-    Coated coated;
-    coated.coating = Coating(table, roughness.x, roughness.y, layer.optical_depth.rgb, layer.base_color.rgb,
-                             layer.edge_tint.rgb, layer.base_color.w > 0.0, layer.kind.y);
-    coated.at = coating_place(coated.coating, d, n);
-    coated.place = Place(position, n);
-    coated.groups = min(layer.kind.y, COATING_FURTHER) + 1;
-    coated.has_tails = layer.edge_tint.w > 0.0;
-    CoatingLight light = coating_light(table, coated.at);
+    Coating coating = Coating(table, roughness.x, roughness.y, layer.optical_depth.rgb, layer.base_color.rgb,
+                              layer.edge_tint.rgb, layer.base_color.w > 0.0, layer.kind.y);
+    CoatingPlace at = coating_place(coating, d, n);
+    CoatingColors colors = coating_colors(coating, coating_light(table, at));
+    colors.groups[COATING_MIRRORED] *= reflection ? material.reflection_ior.rgb : vec3(0.0);
     vec3 refracted = material.color_roughness.rgb * material.color_roughness.rgb;
-    vec3 mirrored = reflection ? material.reflection_ior.rgb : vec3(0.0);
-    coated.colors = mat3(mirrored * coating_color(coated.coating, light, COATING_MIRRORED),
-                         refracted * coating_color(coated.coating, light, COATING_FIRST),
-                         refracted * coating_color(coated.coating, light, COATING_FURTHER));
-    vec3 joined = is_joined(table) ? coated.colors[COATING_FURTHER] : vec3(0.0);
-    coated.colors[COATING_FIRST] += joined;
-    coated.further = greatest(joined) / max(greatest(coated.colors[COATING_FIRST]), 1e-12);
+    colors.groups[COATING_FIRST] *= refracted;
+    colors.groups[COATING_FURTHER] *= refracted;
+    Coated coated = Coated(table, at, Place(position, n), colors, layer.edge_tint.w > 0.0);
     return narrow_radiance(coated) + divided_radiance(coated);
 }
 

@@ -37,21 +37,9 @@ class CoatingModel {
     CoatingLight coating_light(const CoatingTable& table, const CoatingPlace& place) const {
         return lookup().coating_light(table, place);
     }
-    int coating_parts(const CoatingTable& table, int group) const {
-        return lookup().coating_parts(table, group);
-    }
-    vec4 coating_part(const CoatingTable& table, const CoatingPlace& place, int group, int part) const {
-        return lookup().coating_part(table, place, group, part);
-    }
-    Lobe coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group, const vec4& part,
-                      float side) const {
-        return lookup().coating_lobe(table, place, group, part, side);
-    }
-
-    bool is_joined(const CoatingTable& table) const { return lookup().is_joined(table); }
-    Lobe narrow_coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group,
-                             float further) const {
-        return lookup().narrow_coating_lobe(table, place, group, further);
+    Lobe coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group, int i,
+                      float further) const {
+        return lookup().coating_lobe(table, place, group, i, further);
     }
 
   private:

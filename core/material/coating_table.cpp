@@ -32,6 +32,12 @@ constexpr int least_points = 1024;
 // A group with wider lobes than this is divided.
 constexpr float most_undivided = 0.05F;
 
+// Divided lobes of the further bounces that are so many times wider than those of the first one aren't
+// joined.
+constexpr float most_joined = 1.5F;
+
+constexpr int slice_parts = COATING_PARTS / model::COATING_SLICES;
+
 // Bounces that are followed; further ones go on as the last.
 constexpr int followed_bounces = 3;
 constexpr int dimensions = 2 + 4 * followed_bounces;
@@ -161,18 +167,16 @@ constexpr double drawn_together = 0.1;
 
 using Parts = std::array<glm::vec4, COATING_PARTS>;
 
-int parts_of(int group) { return group == model::COATING_FURTHER ? model::COATING_SLICES : COATING_PARTS; }
-
 // Of a group, in parts by the angle in the plane of incidence and by the distance from it, folded to one
 // side.
-Parts divided_lobes(const std::vector<Weighted>& light, int parts) {
+Parts divided_lobes(const std::vector<Weighted>& light) {
     const dvec3 whole = mean_of(light, [](const glm::vec3& i) { return glm::vec3(i.x, 0.0F, i.z); });
     Parts lobes;
     auto lobe = lobes.begin();
     for (const auto& slice :
          divided(light, model::COATING_SLICES, [](const glm::vec3& i) { return std::atan2(i.x, i.z); })) {
-        for (const auto& part : divided(slice, parts / model::COATING_SLICES,
-                                        [](const glm::vec3& i) { return std::abs(i.y); })) {
+        for (const auto& part :
+             divided(slice, slice_parts, [](const glm::vec3& i) { return std::abs(i.y); })) {
             const dvec3 folded =
                 mean_of(part, [](const glm::vec3& i) { return glm::vec3(i.x, std::abs(i.y), i.z); });
             const dvec3 mean = glm::mix(folded, whole, drawn_together);
@@ -203,7 +207,7 @@ Node node_of(const LayeredSurface& layer, bool reflects_inside, const std::vecto
         for (const Weighted& i : light) sums[group] += i.weight;
         if (sums[group] <= 1e-6 * count) continue;
         node.whole[group] = whole_lobe(light);
-        node.divided[group] = divided_lobes(light, parts_of(group));
+        node.divided[group] = divided_lobes(light);
     }
     const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 0.0; };
     const auto& energies = scattered.energies;
@@ -264,6 +268,48 @@ std::vector<Point> sobol_points(int count, int set) {
         for (int k = 0; k < dimensions; ++k) points[j][k] = point[k];
     }
     return points;
+}
+
+// How much wider parts of the further bounces are than those of the first one: the mean log2 of a row.
+float widening(const Row& row) {
+    float sum = 0.0F;
+    for (const Node& node : row)
+        for (int i = 0; i < COATING_PARTS; ++i)
+            sum += node.divided[model::COATING_FURTHER][i].w - node.divided[model::COATING_FIRST][i].w;
+    return sum / static_cast<float>(COATING_ANGLES * COATING_PARTS);
+}
+
+// As CoatingTable::divided.
+int divided_groups(const std::vector<Row>& nodes) {
+    std::array<bool, COATING_GROUPS> wide{};
+    for (int group = 0; group < COATING_GROUPS; ++group)
+        for (const Row& row : nodes)
+            for (const Node& node : row)
+                wide[group] = wide[group] || node.whole[group].w > std::log2(most_undivided);
+    const bool wider = std::any_of(nodes.begin(), nodes.end(),
+                                   [](const Row& row) { return widening(row) > std::log2(most_joined); });
+    wide[model::COATING_FURTHER] = wide[model::COATING_FURTHER] && (wider || !wide[model::COATING_FIRST]);
+    int divided = 0;
+    for (int group = 0; group < COATING_GROUPS; ++group) divided |= int{wide[group]} << group;
+    return divided;
+}
+
+// The parts of a slice as one.
+glm::vec4 slice_item(const Parts& parts, int slice) {
+    dvec3 mean(0.0);
+    for (int i = 0; i < slice_parts; ++i) {
+        const glm::vec4& part = parts[slice * slice_parts + i];
+        mean += dvec3(part) * (1.0 - std::exp2(double{part.w})) / double{slice_parts};
+    }
+    return lobe_item(mean, 1.0 - glm::dot(mean, mean));
+}
+
+// Of a part as coated.glsl has it.
+glm::vec4 item(const Node& node, int divided, int group, int part) {
+    const auto is_divided = [=](int of) { return (divided >> of & 1) != 0; };
+    const bool further = group == model::COATING_FURTHER;
+    if (further && is_divided(group)) return slice_item(node.divided[group], part % model::COATING_SLICES);
+    return is_divided(further ? model::COATING_FIRST : group) ? node.divided[group][part] : node.whole[group];
 }
 
 // Nodes on the axis of roughness: one for a constant.
@@ -351,25 +397,14 @@ CoatingTable CoatingTable::build(const CoatingKey& key) {
         if (outer_alpha(row) > least_smoothed_alpha) smooth(nodes[row]);
     }
 
-    for (int group = 0; group < COATING_GROUPS; ++group) {
-        for (const Row& row : nodes)
-            for (const Node& node : row)
-                if (node.whole[group].w > std::log2(most_undivided)) layout.divided |= 1 << group;
-    }
-    // So that lobes of all bounces are joined or none.
-    constexpr unsigned first = 1U << model::COATING_FIRST;
-    constexpr unsigned further = 1U << model::COATING_FURTHER;
-    if ((static_cast<unsigned>(layout.divided) & first) != 0) layout.divided |= further;
+    layout.divided = divided_groups(nodes);
     table.nodes.reserve(std::size_t(rows) * COATING_ITEMS * COATING_ANGLES);
     for (const Row& row : nodes) {
         for (const Node& node : row) table.nodes.push_back(node.energies);
         for (const Node& node : row) table.nodes.push_back(node.means);
-        for (int group = 0; group < COATING_GROUPS; ++group) {
-            const bool is_divided = (layout.divided >> group & 1) != 0;
-            for (int part = 0; part < parts_of(group); ++part)
-                for (const Node& node : row)
-                    table.nodes.push_back(is_divided ? node.divided[group][part] : node.whole[group]);
-        }
+        for (int group = 0; group < COATING_GROUPS; ++group)
+            for (int part = 0; part < COATING_PARTS; ++part)
+                for (const Node& node : row) table.nodes.push_back(item(node, layout.divided, group, part));
     }
     return table;
 }

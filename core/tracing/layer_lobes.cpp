@@ -2,7 +2,6 @@
 #include "core/tracing/layer_lobes.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "core/tracing/crossing.h"
@@ -67,33 +66,16 @@ void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm:
                                  .diffuse = layer.diffuse,
                                  .bounces = std::min(layer.bounces, Layer::max_bounces)};
     const model::CoatingPlace place = lobes.coating_place(coating, d, n);
-    const model::CoatingLight light = lobes.coating_light(coating.table, place);
-    std::array<glm::vec3, model::COATING_GROUPS> colors;
-    for (int group = 0; group < model::COATING_GROUPS; ++group)
-        colors[group] =
-            model::coating_color(coating, light, group) *
-            (group == model::COATING_MIRRORED ? material.reflection_color : material.color * material.color);
-    float further = 0.0F;  // of the base's light that goes with the first bounce
-    if (lobes.is_joined(coating.table)) {
-        const glm::vec3 joined = std::exchange(colors[model::COATING_FURTHER], glm::vec3(0.0F));
-        colors[model::COATING_FIRST] += joined;
-        further = model::greatest(joined) / std::max(model::greatest(colors[model::COATING_FIRST]), 1e-12F);
-    }
+    const model::CoatingColors colors =
+        model::coating_colors(coating, lobes.coating_light(coating.table, place));
     for (int group = 0; group < model::COATING_GROUPS; ++group) {
-        if (model::greatest(colors[group]) <= 0.0F) continue;
+        if (model::greatest(colors.groups[group]) <= 0.0F) continue;
         const bool mirrored = group == model::COATING_MIRRORED;
-        const LayerLobe::Way way = mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin;
-        const int parts = lobes.coating_parts(coating.table, group);
-        if (parts == 1) {
-            add({way, lobes.narrow_coating_lobe(coating.table, place, group, mirrored ? 0.0F : further),
-                 colors[group]});
-            continue;
-        }
-        for (int i = 0; i < parts; ++i) {
-            const glm::vec4 part = lobes.coating_part(coating.table, place, group, i);
-            for (const float side : {1.0F, -1.0F})
-                add({way, lobes.coating_lobe(coating.table, place, group, part, side), colors[group]});
-        }
+        const glm::vec3 tint = mirrored ? material.reflection_color : material.color * material.color;
+        const float further = group == model::COATING_FIRST ? colors.further : 0.0F;
+        for (int i = 0; i < model::coating_lobes(coating.table, group); ++i)
+            add({mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin,
+                 lobes.coating_lobe(coating.table, place, group, i, further), tint * colors.groups[group]});
     }
 }
 

@@ -47,7 +47,7 @@ class LayerLobes {
 
     // Of a coating; a pane has a transmitted one, two fans, and a mirrored one.
     static constexpr std::size_t most_lobes =
-        std::max(2 * model::COATING_GROUPS * model::COATING_PARTS, 2 + 2 * model::FAN_RAYS);
+        std::max(2 * (2 * model::COATING_PARTS + model::COATING_SLICES), 2 + 2 * model::FAN_RAYS);
 
     std::array<LayerLobe, most_lobes> lobes_;
     std::size_t count_ = 0;

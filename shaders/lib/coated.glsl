@@ -10,22 +10,23 @@ const int COATING_FURTHER = 2;
 const int COATING_GROUPS = 3;
 
 // Light of a group is one lobe where that is narrow. Else it is divided in parts of equal energy: into slices by the
-// angle in the plane of incidence, and these by the distance from it, but for the further bounces, which are weak. Each
-// part stands for its mirror image, too.
+// angle in the plane of incidence, and these by the distance from it. Each part stands for its mirror image, too. The
+// further bounces, which are weak, are joined with the first one part by part; where they are too wide for that, they
+// have their slices.
 const int COATING_SLICES = 3;
 const int COATING_PARTS = 2 * COATING_SLICES;
 
 // A row of a table is one pair of roughnesses: items side by side, each over the viewer's angle. The first two items are
 // energies and means, those of each group's parts (x, y, z, log2(spread)) of their lobes.
 const int COATING_ANGLES = 33;
-const int COATING_ITEMS = 2 + 2 * COATING_PARTS + COATING_SLICES;
+const int COATING_ITEMS = 2 + COATING_GROUPS * COATING_PARTS;
 
 // Of one material. Rows: those of the base's roughnesses, for each of the outer side's.
 struct CoatingTable {
     int first_row;
     int outer_nodes;
     int base_nodes;
-    int divided;  // bit g: whether group g is
+    int divided;  // bit g: whether group g is; of the further bounces, whether they are by themselves
     float outer_least;  // range of both, on the axis of coating_axis
     float outer_greatest;
     float base_least;
@@ -83,21 +84,50 @@ SHARED vec3 tinted_reflectance(vec3 color, vec3 tint, float cos_theta) {
     return mean_tinted_reflectance(color, tint, pow(x, 5.0f), (1.0f - x) * pow(x, 6.0f));
 }
 
-// What the base and the ways through the layer leave of a group's light, its energy included.
-SHARED vec3 coating_color(Coating coating, CoatingLight light, int group) {
-    if (group == COATING_MIRRORED) return vec3(light.energy.x);
-    if (coating.bounces < 1) return vec3(0.0f);
-    vec3 reflectance = coating.diffuse ? coating.base_color
-                                       : mean_tinted_reflectance(coating.base_color, coating.edge_tint,
-                                                                 light.slant_5, light.slant_6);
-    if (group == COATING_FIRST) return light.energy.y * reflectance * exp(-light.way.x * coating.optical_depth);
-    // Each further bounce costs the way of one.
-    vec3 bounce = reflectance * exp((light.way.x - light.way.y) * coating.optical_depth);
-    vec3 color = light.energy.z * reflectance * reflectance * exp(-light.way.y * coating.optical_depth);
-    vec3 sum = vec3(0.0f);
-    for (int i = 2; i <= coating.bounces; ++i) {
-        sum += color;
-        color = color * light.ratio * bounce;
+SHARED bool is_divided(CoatingTable table, int group) { return ((table.divided >> group) & 1) != 0; }
+
+// Whether the further bounces have no lobes of their own.
+SHARED bool is_joined(CoatingTable table) { return !is_divided(table, COATING_FURTHER); }
+
+// How many parts a group has; one that isn't divided is the first of them.
+SHARED int coating_parts(CoatingTable table, int group) {
+    if (!is_divided(table, group)) return 1;
+    return group == COATING_FURTHER ? COATING_SLICES : COATING_PARTS;
+}
+
+// How many lobes a group has.
+SHARED int coating_lobes(CoatingTable table, int group) {
+    int parts = coating_parts(table, group);
+    return parts > 1 ? 2 * parts : 1;
+}
+
+// Factors on light, its energy included.
+struct CoatingColors {
+    mat3 groups;    // by group; what is joined is the first bounce's
+    float further;  // the share of further bounces in that
+};
+
+// What the base and the ways through the layer leave.
+SHARED CoatingColors coating_colors(Coating coating, CoatingLight light) {
+    vec3 first = vec3(0.0f);
+    vec3 further = vec3(0.0f);
+    if (coating.bounces > 0) {
+        vec3 reflectance = coating.diffuse ? coating.base_color
+                                           : mean_tinted_reflectance(coating.base_color, coating.edge_tint,
+                                                                     light.slant_5, light.slant_6);
+        first = light.energy.y * reflectance * exp(-light.way.x * coating.optical_depth);
+        // Each further bounce costs the way of one.
+        vec3 bounce = reflectance * exp((light.way.x - light.way.y) * coating.optical_depth);
+        vec3 color = light.energy.z * reflectance * reflectance * exp(-light.way.y * coating.optical_depth);
+        for (int i = 2; i <= coating.bounces; ++i) {
+            further += color;
+            color = color * light.ratio * bounce;
+        }
     }
-    return sum;
+    vec3 joined = is_joined(coating.table) ? further : vec3(0.0f);
+    first += joined;
+    CoatingColors colors;
+    colors.groups = mat3(vec3(light.energy.x), first, further - joined);
+    colors.further = greatest(joined) / max(greatest(first), 1e-12f);
+    return colors;
 }

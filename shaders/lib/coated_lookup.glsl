@@ -57,38 +57,41 @@ SHARED CoatingLight coating_light(CoatingTable table, CoatingPlace place) {
     return light;
 }
 
-SHARED bool is_divided(CoatingTable table, int group) { return ((table.divided >> group) & 1) != 0; }
-
-// Whether the further bounces are one lobe with the first one.
-SHARED bool is_joined(CoatingTable table) { return !is_divided(table, COATING_FURTHER); }
-
-// How many parts a group has; one that isn't divided is the first of them.
-SHARED int coating_parts(CoatingTable table, int group) {
-    if (!is_divided(table, group)) return 1;
-    return group == COATING_FURTHER ? COATING_SLICES : COATING_PARTS;
-}
-
 SHARED vec4 coating_part(CoatingTable table, CoatingPlace place, int group, int part) {
     return coating_item(table, place, 2 + group * COATING_PARTS + part);
 }
 
-// The lobe of a part to one side of the plane of incidence, +1 or -1; its energy is its share of the group's.
-SHARED Lobe coating_lobe(CoatingTable table, CoatingPlace place, int group, vec4 part, float side) {
+// Two lobes of energies 1 - share and share as one, by their mean vectors, whose lengths are 1 - spread. With D between
+// both directions, |mean|^2 = A^2 - share (1 - share) a b D^2, where A is the mean of a = 1 - spread and b = 1 - spread'.
+SHARED Lobe joined_lobe(Lobe lobe, Lobe other, float share) {
+    vec3 between = other.direction - lobe.direction;
+    float a = 1.0f - lobe.spread;
+    float b = 1.0f - other.spread;
+    float mean = mix(a, b, share);
+    float apart = clamp(share * (1.0f - share) * a * b * dot(between, between) / max(mean * mean, 1e-6f), 0.0f, 1.0f);
+    lobe.spread = mix(lobe.spread, other.spread, share) + mean * apart / (1.0f + sqrt(1.0f - apart));
+    lobe.direction = normalize((1.0f - share) * a * lobe.direction + share * b * other.direction);
+    return lobe;
+}
+
+// The lobe of a part as coating_part has it, to one side of the plane of incidence, +1 or -1.
+SHARED Lobe coating_lobe_of(CoatingPlace place, vec4 part, float side) {
     Lobe lobe;
-    lobe.energy = is_divided(table, group) ? 0.5f / float(coating_parts(table, group)) : 1.0f;
+    lobe.energy = 0.0f;
     lobe.spread = clamp(exp2(part.w), LOBE_MIN_SPREAD, 1.0f);
     lobe.direction = normalize(part.x * place.tangent + side * part.y * place.side + part.z * place.n);
     return lobe;
 }
 
-// The one lobe of a group that isn't divided, of energy 1. further: of light from the base, the part that has met it more
-// often, where that is joined; it comes from nearly the same direction.
-SHARED Lobe narrow_coating_lobe(CoatingTable table, CoatingPlace place, int group, float further) {
-    Lobe lobe = coating_lobe(table, place, group, coating_part(table, place, group, 0), 1.0f);
-    if (further <= 0.0f) return lobe;
-    Lobe other = coating_lobe(table, place, COATING_FURTHER, coating_part(table, place, COATING_FURTHER, 0), 1.0f);
-    vec3 between = other.direction - lobe.direction;
-    lobe.spread = mix(lobe.spread, other.spread, further) + 0.5f * further * (1.0f - further) * dot(between, between);
-    lobe.direction = normalize(lobe.direction + further * between);
+// A lobe of a group, whose energy is its share of the group's: that of part i / 2 to one side of the plane of incidence
+// where i is even, or to the other; or of the whole, which is only 0. further: the share of light of the further bounces
+// that is joined with the first one's; else 0.
+SHARED Lobe coating_lobe(CoatingTable table, CoatingPlace place, int group, int i, float further) {
+    int parts = coating_parts(table, group);
+    float side = i % 2 == 0 ? 1.0f : -1.0f;
+    Lobe lobe = coating_lobe_of(place, coating_part(table, place, group, i / 2), side);
+    if (further > 0.0f)
+        lobe = joined_lobe(lobe, coating_lobe_of(place, coating_part(table, place, COATING_FURTHER, i / 2), side), further);
+    lobe.energy = parts > 1 ? 0.5f / float(parts) : 1.0f;
     return lobe;
 }
