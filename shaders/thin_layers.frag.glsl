@@ -97,7 +97,8 @@ int shown_lobes(Coated coated, int group) {
 
 Lobe lobe_of(Coated coated, int group, int i) {
     float further = group == COATING_FIRST ? coated.colors.further : 0.0;
-    return coating_lobe(coated.table, coated.at, group, i, further);
+    Lobe part = coating_part(coated.table, coated.at, group, i / 2, further);
+    return coating_lobe(coated.at, part, float(1 - 2 * (i & 1)));
 }
 
 // Loops in place of branches, and as few as can be: software OpenGL walks through both sides of each branch, and once

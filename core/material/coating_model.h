@@ -37,9 +37,12 @@ class CoatingModel {
     CoatingLight coating_light(const CoatingTable& table, const CoatingPlace& place) const {
         return lookup().coating_light(table, place);
     }
-    Lobe coating_lobe(const CoatingTable& table, const CoatingPlace& place, int group, int i,
+    Lobe coating_part(const CoatingTable& table, const CoatingPlace& place, int group, int part,
                       float further) const {
-        return lookup().coating_lobe(table, place, group, i, further);
+        return lookup().coating_part(table, place, group, part, further);
+    }
+    Lobe coating_lobe(const CoatingPlace& place, const Lobe& part, float side) const {
+        return lookup().coating_lobe(place, part, side);
     }
 
   private:

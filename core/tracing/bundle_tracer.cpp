@@ -415,7 +415,7 @@ void BundleTracer::light(const Meeting& meeting, const Branch& branch) const {
     const glm::vec3 side = meeting.side(branch);
     const glm::vec3 d = on_side(branch.lobe.direction, side);
     const glm::vec3 position = beside(meeting.hit, side);
-    const float spread = std::max(divergence(meeting, branch).spread(), model::LOBE_MIN_SPREAD);
+    const float spread = std::max(spread_after(meeting, branch), model::LOBE_MIN_SPREAD);
     const auto radiance = [&](float width) {
         return scene_.local_radiance(position, d, model::widened_spread(spread, width), side);
     };
@@ -443,6 +443,10 @@ Divergence BundleTracer::divergence(const Meeting& meeting, const Branch& branch
     Divergence result = turned(meeting.beam.divergence, meeting, branch.way);
     result.widen(Divergence::of_lobe(branch.lobe.spread));
     return result;
+}
+
+float BundleTracer::spread_after(const Meeting& meeting, const Branch& branch) const {
+    return turned(meeting.beam.divergence, meeting, branch.way).spread_with(branch.lobe.spread);
 }
 
 // Along the lobe's mean direction.
@@ -657,7 +661,7 @@ glm::vec3 BundleTracer::looked_up(const Beam& beam, float spread) const {
 // The light of a branch that isn't followed.
 glm::vec3 BundleTracer::cut_off(const Meeting& meeting, const Branch& branch) const {
     const glm::vec3& d = branch.lobe.direction;
-    const float spread = divergence(meeting, branch).spread();
+    const float spread = spread_after(meeting, branch);
     if (meeting.is_outside(branch)) return branch.weight * scene_.incoming_radiance(d, spread);
     return model::CUT_SHARE * branch.weight *
            scene_.incoming_radiance(d, std::max(spread, model::CUT_SPREAD));

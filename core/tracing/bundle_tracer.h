@@ -82,6 +82,7 @@ class BundleTracer {
     float left_part(float roughness) const;
     Divergence turned(Divergence divergence, const Meeting& meeting, Way way) const;
     Divergence divergence(const Meeting& meeting, const Branch& branch) const;
+    float spread_after(const Meeting& meeting, const Branch& branch) const;
     void follow(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void split(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void draw(const Meeting& meeting, const Branch& branch, Wave& next) const;

@@ -34,6 +34,12 @@ class Divergence {
     // light to.
     float spread() const { return std::min(-std::expm1(-angular_), half_space_spread); }
 
+    // The same with a lobe of that spread, which it would be after widen(), sooner.
+    float spread_with(float lobe_spread) const {
+        const float own = is_none() ? 0.0F : -std::expm1(-angular_);
+        return std::min(own + (1.0F - own) * lobe_spread, half_space_spread);
+    }
+
     // Over a distance, in world units.
     void travel(float t) {
         positional_ += t * (2.0F * mixed_ + t * angular_);

@@ -73,9 +73,13 @@ void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm:
         const bool mirrored = group == model::COATING_MIRRORED;
         const glm::vec3 tint = mirrored ? material.reflection_color : material.color * material.color;
         const float further = group == model::COATING_FIRST ? colors.further : 0.0F;
-        for (int i = 0; i < model::coating_lobes(coating.table, group); ++i)
-            add({mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin,
-                 lobes.coating_lobe(coating.table, place, group, i, further), tint * colors.groups[group]});
+        const LayerLobe::Way way = mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin;
+        const int parts = model::coating_parts(coating.table, group);
+        for (int i = 0; i < parts; ++i) {
+            const model::Lobe part = lobes.coating_part(coating.table, place, group, i, further);
+            add({way, lobes.coating_lobe(place, part, 1.0F), tint * colors.groups[group]});
+            if (parts > 1) add({way, lobes.coating_lobe(place, part, -1.0F), tint * colors.groups[group]});
+        }
     }
 }
 

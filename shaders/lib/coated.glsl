@@ -95,7 +95,7 @@ SHARED int coating_parts(CoatingTable table, int group) {
     return group == COATING_FURTHER ? COATING_SLICES : COATING_PARTS;
 }
 
-// How many lobes a group has.
+// How many lobes a group has, on both sides of the plane of incidence.
 SHARED int coating_lobes(CoatingTable table, int group) {
     int parts = coating_parts(table, group);
     return parts > 1 ? 2 * parts : 1;

@@ -33,14 +33,15 @@ SHARED CoatingPlace coating_place(Coating coating, vec3 d, vec3 n) {
 SHARED vec4 coating_item(CoatingTable table, CoatingPlace place, int item) {
     float column = float(item * COATING_ANGLES) + place.column;
     int base_rows = min(table.base_nodes, 2);
-    int corners = base_rows * min(table.outer_nodes, 2);
+    int outer_rows = min(table.outer_nodes, 2);
     vec4 sum = vec4(0.0f);
-    for (int i = 0; i < corners; ++i) {
-        int next_base = i % base_rows;
-        int next_outer = i / base_rows;
-        float share = (next_base == 1 ? place.base_share : 1.0f - place.base_share) *
-                      (next_outer == 1 ? place.outer_share : 1.0f - place.outer_share);
-        sum += share * sample_coating_row(column, place.row + next_outer * table.base_nodes + next_base);
+    for (int outer = 0; outer < outer_rows; ++outer) {
+        float outer_share = outer == 1 ? place.outer_share : 1.0f - place.outer_share;
+        int row = place.row + outer * table.base_nodes;
+        for (int base = 0; base < base_rows; ++base) {
+            float share = base == 1 ? place.base_share : 1.0f - place.base_share;
+            sum += outer_share * share * sample_coating_row(column, row + base);
+        }
     }
     return sum;
 }
@@ -57,8 +58,14 @@ SHARED CoatingLight coating_light(CoatingTable table, CoatingPlace place) {
     return light;
 }
 
-SHARED vec4 coating_part(CoatingTable table, CoatingPlace place, int group, int part) {
-    return coating_item(table, place, 2 + group * COATING_PARTS + part);
+// A lobe in the frame of coated.glsl, whose direction is as good as unit.
+SHARED Lobe coating_item_lobe(CoatingTable table, CoatingPlace place, int group, int part) {
+    vec4 item = coating_item(table, place, 2 + group * COATING_PARTS + part);
+    Lobe lobe;
+    lobe.energy = 1.0f;
+    lobe.spread = exp2(item.w);
+    lobe.direction = vec3(item.x, item.y, item.z);
+    return lobe;
 }
 
 // Two lobes of energies 1 - share and share as one, by their mean vectors, whose lengths are 1 - spread. With D between
@@ -74,24 +81,19 @@ SHARED Lobe joined_lobe(Lobe lobe, Lobe other, float share) {
     return lobe;
 }
 
-// The lobe of a part as coating_part has it, to one side of the plane of incidence, +1 or -1.
-SHARED Lobe coating_lobe_of(CoatingPlace place, vec4 part, float side) {
-    Lobe lobe;
-    lobe.energy = 0.0f;
-    lobe.spread = clamp(exp2(part.w), LOBE_MIN_SPREAD, 1.0f);
-    lobe.direction = normalize(part.x * place.tangent + side * part.y * place.side + part.z * place.n);
+// A part of a group on one side of the plane of incidence, in the frame of coated.glsl; its energy is that of a side, as
+// a share of the group's. further: the share of light of the further bounces that is joined with the first one's; else 0.
+SHARED Lobe coating_part(CoatingTable table, CoatingPlace place, int group, int part, float further) {
+    Lobe lobe = coating_item_lobe(table, place, group, part);
+    if (further > 0.0f) lobe = joined_lobe(lobe, coating_item_lobe(table, place, COATING_FURTHER, part), further);
+    lobe.energy = 1.0f / float(coating_lobes(table, group));
+    lobe.spread = clamp(lobe.spread, LOBE_MIN_SPREAD, 1.0f);
     return lobe;
 }
 
-// A lobe of a group, whose energy is its share of the group's: that of part i / 2 to one side of the plane of incidence
-// where i is even, or to the other; or of the whole, which is only 0. further: the share of light of the further bounces
-// that is joined with the first one's; else 0.
-SHARED Lobe coating_lobe(CoatingTable table, CoatingPlace place, int group, int i, float further) {
-    int parts = coating_parts(table, group);
-    float side = i % 2 == 0 ? 1.0f : -1.0f;
-    Lobe lobe = coating_lobe_of(place, coating_part(table, place, group, i / 2), side);
-    if (further > 0.0f)
-        lobe = joined_lobe(lobe, coating_lobe_of(place, coating_part(table, place, COATING_FURTHER, i / 2), side), further);
-    lobe.energy = parts > 1 ? 0.5f / float(parts) : 1.0f;
-    return lobe;
+// The same in the world, or where side is -1 its mirror image on the other side.
+SHARED Lobe coating_lobe(CoatingPlace place, Lobe part, float side) {
+    vec3 d = part.direction;
+    part.direction = normalize(d.x * place.tangent + side * d.y * place.side + d.z * place.n);
+    return part;
 }
