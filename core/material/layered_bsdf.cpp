@@ -30,14 +30,15 @@ float mean_of(const glm::vec3& v) { return (v.r + v.g + v.b) / 3.0F; }
 }  // namespace
 
 LayeredBsdf::LayeredBsdf(LayerModel model, const Material& material, const LayeredSurface& layer,
-                         const glm::vec3& o)
+                         const glm::vec3& o, std::optional<int> only)
     : material_(material),
       layer_(layer),
       is_endf_(model == LayerModel::Endf && !material.layer.diffuse),
       eta_(layer.eta()),
       o_(o),
       t_(bent(o, eta_).value_or(glm::vec3(0.0F))),
-      facing_area_(vmf_facing_area(normals().kappa(), o.z)) {
+      facing_area_(vmf_facing_area(normals().kappa(), o.z)),
+      only_(only) {
     bounces_[0] = {material.reflection_color * fresnel(o.z), layer.outside().normals().kappa()};
     if (t_.z > 0.0F && material.layer.bounces > 0) {
         if (is_endf_)
@@ -45,6 +46,8 @@ LayeredBsdf::LayeredBsdf(LayerModel model, const Material& material, const Layer
         else
             add_base_bounce();
     }
+    for (int k = 0; k < count_; ++k)
+        if (!is_shown(k)) bounces_[k].energy = glm::vec3(0.0F);
     float sum = 0.0F;
     for (int k = 0; k < count_; ++k) sum += mean_of(bounces_[k].energy);
     for (int k = 0; k < count_; ++k)
@@ -111,9 +114,12 @@ LayeredBsdf::Value LayeredBsdf::evaluate(const glm::vec3& i) const {
     // sample() turns normals that mirror o below the surface: those opposite are drawn twice as often.
     const float drawn = mirrored(o_, turned(m)) ? 1.0F : 2.0F;
     const float surface_density = normals().pdf(o_, m) * by_m;
-    Value value{material_.reflection_color * (fresnel(o_m) * o_m / facing_area_ * masking * surface_density),
-                bounces_[0].probability * drawn * surface_density};
+    Value value;
+    if (is_shown(0))
+        value = {material_.reflection_color * (fresnel(o_m) * o_m / facing_area_ * masking * surface_density),
+                 bounces_[0].probability * drawn * surface_density};
     for (int k = 1; k < count_; ++k) {
+        if (!is_shown(k)) continue;
         const Bounce& bounce = bounces_[k];
         float pdf = 0.0F;
         if (is_endf_) {

@@ -20,8 +20,10 @@ enum class LayerModel {
 
 class LayeredBsdf {
   public:
-    // model: not Recursive. layer: of the material, which must both outlive this.
-    LayeredBsdf(LayerModel model, const Material& material, const LayeredSurface& layer, const glm::vec3& o);
+    // model: not Recursive. layer: of the material, which must both outlive this. only: the one bounce whose
+    // light there is, 0 for the reflection by the surface; else all.
+    LayeredBsdf(LayerModel model, const Material& material, const LayeredSurface& layer, const glm::vec3& o,
+                std::optional<int> only = {});
 
     struct Value {
         glm::vec3 f_cos{0.0F};  // f(o, i) |i.n|
@@ -51,6 +53,7 @@ class LayeredBsdf {
     const FacetNormals& normals() const { return layer_.outside().normals(); }
     const FacetNormals& base_normals() const { return layer_.base().normals(); }
     float fresnel(float cos_theta) const;  // of the surface, from outside
+    bool is_shown(int bounce) const { return !only_ || *only_ == bounce; }
     void add_endf_bounces();
     void add_base_bounce();
     glm::vec3 base_value(const glm::vec3& i, float& pdf) const;
@@ -65,6 +68,7 @@ class LayeredBsdf {
     float facing_area_;  // of the surface's facets, toward o
     std::array<Bounce, Layer::max_bounces + 1> bounces_;
     int count_ = 1;
+    std::optional<int> only_;
 };
 
 }  // namespace verglas

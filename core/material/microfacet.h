@@ -56,6 +56,9 @@ class RoughInterface {
 
     const FacetNormals& normals() const { return normals_; }
 
+    // The same, of which only refraction is followed.
+    RoughInterface refracting() const { return {normals_, eta_, fresnel_, Reflected::None}; }
+
   private:
     std::optional<glm::vec3> direction(const glm::vec3& o, const glm::vec3& m, Event event) const;
     float fresnel(float o_m) const;

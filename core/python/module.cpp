@@ -550,6 +550,7 @@ void bind_path_tracer(py::module_& module) {
     def_region(settings);
     def_enum(settings, "mode", &PathSettings::mode, path_mode_names);
     def_enum(settings, "layers", &PathSettings::layers, layer_model_names);
+    settings.def_readwrite("bounce", &PathSettings::bounce);
 
     py::class_<PathTracer>(module, "PathTracer")
         .def(py::init<Scene, const PathSettings&>(), py::arg("scene"), py::arg("settings"),

@@ -422,6 +422,9 @@ class PathSettings:
     """Of coated surfaces: 'RECURSIVE' (default), from interface to interface, the truth; 'ENDF', in closed form,
     one draw for each bounce, by extended normal distribution functions (Guo et al. 2016); 'WEIDLICH_WILKIE', light
     that stays collimated in the layer and meets the base once (2007). A diffuse base has the last one's with both."""
+    bounce: int | None
+    """Of light that coatings send on, only what has met their base so often, 0 for that which their outer side
+    reflects; None (default): all. Recursive sampling takes every path there, which costs it time with each bounce."""
     transparent: bool
     """As Settings.transparent."""
     max_interfaces: int

@@ -73,6 +73,7 @@ struct Crossing {
     glm::vec3 color;                    // factor of what is refracted
     glm::vec3 reflection_color;         // and reflected
     const LayeredBsdf* bsdf = nullptr;  // in place of the surface and its colours
+    std::optional<RoughInterface::Event> event{};  // the only one that is followed
 };
 
 // Whether there may be surfaces that light goes through unbent.
@@ -109,7 +110,8 @@ std::optional<Scattered> scatter_by_bsdf(const Crossing& crossing, glm::vec2 u, 
 // u, choice: as for RoughInterface::sample().
 std::optional<Scattered> scatter(const Crossing& crossing, glm::vec2 u, float choice) {
     if (crossing.bsdf) return scatter_by_bsdf(crossing, u, choice);
-    const auto sample = crossing.surface.sample(crossing.o, u, choice);
+    const auto sample = crossing.event ? crossing.surface.sample(crossing.o, u, *crossing.event)
+                                       : crossing.surface.sample(crossing.o, u, choice);
     if (!sample) return std::nullopt;
     const glm::vec3 d = crossing.frame * sample->direction;
     const bool refracted = sample->direction.z < 0.0F;
@@ -373,6 +375,16 @@ bool PathTracer::Paths::meet_solid(Path& path, const Hit& hit, const SobolPoint&
     return true;
 }
 
+// What an interface of a coating has to do with the one bounce whose light is wanted, when so many are done.
+void take_all_paths(Crossing& crossing, int bounces, int wanted) {
+    if (crossing.entering)
+        crossing.event = wanted > 0 ? std::optional(RoughInterface::Event::Refract) : std::nullopt;
+    else if (bounces < wanted)
+        crossing.event = RoughInterface::Event::Reflect;
+    else
+        crossing.surface = crossing.surface.refracting();
+}
+
 // Follows a path through a thin layer, from interface to interface, until it leaves.
 bool PathTracer::Paths::meet_layer(Path& path, const Hit& hit, const SobolPoint& point) const {
     const Material& material = scene_.materials[hit.material];
@@ -406,13 +418,19 @@ bool PathTracer::Paths::meet_layer(Path& path, const Hit& hit, const SobolPoint&
                       material.reflection_color};
     std::optional<LayeredBsdf> bsdf;
     if (material.kind == MaterialKind::Coated && settings_.layers != LayerModel::Recursive) {
-        bsdf.emplace(settings_.layers, material, layer, crossing.o);
+        bsdf.emplace(settings_.layers, material, layer, crossing.o, settings_.bounce);
         crossing.bsdf = &*bsdf;
     }
+    const std::optional<int> wanted =
+        material.kind == MaterialKind::Coated && !bsdf ? settings_.bounce : std::nullopt;
+    const int kept = material.fresnel ? material.layer.bounces : std::min(material.layer.bounces, 1);
+    if (wanted > kept) return false;
+    const int most_bounces = wanted.value_or(kept);
     int bounces = 0;
     while (path.interfaces <= settings_.max_interfaces) {
-        const auto scattered =
-            meet(path, crossing, point, !crossing.entering || crossing.bsdf || material.fresnel);
+        if (wanted) take_all_paths(crossing, bounces, *wanted);
+        const bool lit = !crossing.event && (!crossing.entering || crossing.bsdf || material.fresnel);
+        const auto scattered = meet(path, crossing, point, lit);
         if (!scattered) return false;
         glm::vec3 d = scattered->d;
         if (scattered->refracted != crossing.entering) {
@@ -424,7 +442,7 @@ bool PathTracer::Paths::meet_layer(Path& path, const Hit& hit, const SobolPoint&
             crossing = inside(is_near, d);
             continue;
         }
-        if (++bounces > material.layer.bounces || path.interfaces > settings_.max_interfaces) return false;
+        if (++bounces > most_bounces || path.interfaces > settings_.max_interfaces) return false;
         const int dimension = first_interface_dimension + path.interfaces++ * interface_dimensions;
         const glm::vec3 o = glm::transpose(front) * -d;
         const auto reflected = layer.base().sample(o, point.pair(dimension + facet_dimension));

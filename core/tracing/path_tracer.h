@@ -24,6 +24,9 @@ struct PathSettings {
     bool tir =
         false;  // TwoInterface: totally reflected light goes on inside until it leaves; else it is lost
     LayerModel layers = LayerModel::Recursive;  // of coated surfaces
+    // Of light that they send on, only what has met the base so often; else all. Recursive sampling takes
+    // all paths there, so that each costs as many interfaces.
+    std::optional<int> bounce;
     bool transparent = false;
     int max_interfaces = 64;  // that bend light; longer paths end
     std::uint64_t seed = 0;

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import verglas_core as verglas
 from test_panes import FOREST, camera_at, device, forest, scene_of, square  # noqa: F401
-from conftest import flat_faces
+from conftest import flat_faces, gradient_map
 
 KAPPAS = (1.0, 10.0, 1e3, 1e6)
 ANGLES = (10, 35, 60, 75)
@@ -38,10 +38,11 @@ def rendered(device, scene, samples):  # noqa: F811
     return device.render(scene, settings).combined[..., :3].mean((0, 1))
 
 
-def path_traced(scene, paths, layers='RECURSIVE'):
+def path_traced(scene, paths, layers='RECURSIVE', bounce=None):
     settings = verglas.PathSettings()
     settings.width = settings.height = SIZE
     settings.layers = layers
+    settings.bounce = bounce
     tracer = verglas.PathTracer(scene, settings)
     tracer.render(paths)
     return tracer.frame().combined[..., :3].mean((0, 1))
@@ -89,6 +90,23 @@ def test_without_bounces_the_outer_side_alone_reflects(device, degrees):  # noqa
     for layers in 'RECURSIVE', 'ENDF', 'WEIDLICH_WILKIE':
         truth = path_traced(over_black, 512)
         assert path_traced(alone, 512, layers) == pytest.approx(truth, rel=0.02), layers
+
+
+@pytest.mark.parametrize("layers", ['RECURSIVE', 'ENDF', 'WEIDLICH_WILKIE'])
+@pytest.mark.parametrize("fresnel", [True, False])
+@pytest.mark.parametrize("kappa, base_kappa", [(1e3, 10.0), (10.0, 1e3)])
+def test_light_is_the_sum_of_its_bounces(kappa, base_kappa, fresnel, layers):
+    """What a researcher sees of one bounce would not be that part of the whole, or have another weight."""
+    for degrees in ANGLES:
+        material = coating_of(kappa, base_kappa, bounces=3)
+        material.fresnel = fresnel
+        scene = coated_scene(material, degrees, gradient_map())
+        scene.camera = camera_at(degrees, focal=100)
+        parts = [path_traced(scene, 512, layers, bounce) for bounce in range(5)]
+        assert (parts[4] == 0).all()  # the coating has three
+        assert (parts[0] > 0).all() == fresnel
+        assert (parts[1] > 0).all()
+        assert np.sum(parts, axis=0) == pytest.approx(path_traced(scene, 1024, layers), rel=0.02)
 
 
 def relative_errors(picture, truth):
