@@ -35,14 +35,14 @@ def frames(plan: Plan, progress: Progress) -> list[Row]:
 
 
 def bounces(plan: Plan, progress: Progress) -> list[Row]:
-    """Of the path tracer on the monkey: recursive sampling beside ENDF, as layer_cost.measure() has them."""
+    """Of the path tracer on the monkey: recursive sampling beside ENDF, as layer_cost.measure_both() has it."""
     monkey = _monkey(plan, progress)
     rows = []
     for count in plan.bounces:
         progress.step(f"path tracing {count} bounces in a layer")
         coated = monkey.changed(bounces=count)
-        rows.append(coated.coating.numbers
-                    | layer_cost.measure(coated, plan.bounce_samples, plan.bounce_seeds))
+        rows += [coated.coating.numbers | costs
+                 for costs in layer_cost.measure_both(coated, plan.bounce_samples, plan.bounce_seeds)]
     return rows
 
 

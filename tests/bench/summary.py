@@ -50,7 +50,8 @@ def ratios(results: dict[str, list[Row]]) -> dict[str, float]:
             result[name] = row["frame_ms"] / glossy[row["base"], row["method"]]
     for row in results["bounces"]:
         for kind in ("samples", "noise"):
-            name = f"recursive / ENDF at equal {kind}, {row['bounces']} bounces"
+            light = "the last bounce of" if row["light"] == "one" else "all of"
+            name = f"recursive / ENDF at equal {kind}, {light} {row['bounces']}"
             result[name] = row[f"speedup_at_equal_{kind}"]
     for method in dict.fromkeys(row["method"] for row in results["lobes"]):
         table, analytic = (row["frame_ms"] for row in results["lobes"] if row["method"] == method)

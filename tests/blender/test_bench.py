@@ -35,7 +35,8 @@ def test_quick_run_writes_what_it_says(tmp_path, capfd):
     assert {row["method"] for row in results["updates"]} == {"bundle", "traced"}
     assert {(row["method"], row["bounces"]) for row in results["coatings"]} == {
         (method, bounces) for method in ("bundle", "traced") for bounces in (0, 1, 2)}
-    assert [row["bounces"] for row in results["bounces"]] == list(plan.QUICK.bounces)
+    assert [(row["bounces"], row["light"]) for row in results["bounces"]] == [
+        (bounces, light) for bounces in plan.QUICK.bounces for light in ("one", "all")]
     assert {row["engine"] for row in results["engines"]} == {*frames.METHODS, "reference", "cycles"}
     assert (tmp_path / "engines.png").is_file() and (tmp_path / "preparation.png").is_file()
     if blender_window.why_not() is None:
@@ -101,14 +102,14 @@ def test_ratios():
     roughness = [{"roughness": "uniform", "frame_ms": 4.0}, {"roughness": "4 classes", "frame_ms": 6.0}]
     lobes = [{"method": "bundle", "lobes": "table", "frame_ms": 4.0},
              {"method": "bundle", "lobes": "analytic", "frame_ms": 2.0}]
-    bounces = [{"bounces": 2, "speedup_at_equal_samples": 1.5, "speedup_at_equal_noise": 9.0}]
+    bounces = [{"bounces": 2, "light": "all", "speedup_at_equal_samples": 1.5, "speedup_at_equal_noise": 9.0}]
     coated = [{"base": "sharp", "method": "traced", "bounces": count, "frame_ms": 4.0 + count}
               for count in (0, 2)]
     found = summary.ratios({"models": models, "engines": rows, "refraction": refraction, "threads": threads,
                             "roughness": roughness, "lobes": lobes, "bounces": bounces,
                             "coatings": coated})
     assert found["coating, sharp, 2 bounces / glossy layer, traced"] == pytest.approx(1.5)
-    assert found["recursive / ENDF at equal noise, 2 bounces"] == 9.0
+    assert found["recursive / ENDF at equal noise, all of 2"] == 9.0
     assert found["analytic / table lobes, bundle"] == pytest.approx(0.5)
     assert found["4 classes / uniform roughness"] == pytest.approx(1.5)
     assert found["cycles with 512 samples / traced with one, refraction only"] == pytest.approx(512 * 12.0)

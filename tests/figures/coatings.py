@@ -129,8 +129,11 @@ class Coated:
         tracer.render(1)
         return tracer.frame().depth < BACKGROUND_DEPTH
 
-    def path_tracer(self, seed: int = 0, method: str = "truth", max_interfaces: int = 64) -> core.PathTracer:
+    def path_tracer(self, seed: int = 0, method: str = "truth", max_interfaces: int = 64,
+                    bounce: int | None = None) -> core.PathTracer:
+        """bounce: as core.PathSettings.bounce."""
         settings = core.PathSettings()
+        settings.bounce = bounce
         settings.max_interfaces = max_interfaces
         settings.width = settings.height = self.setting.studio.size
         settings.layers = LAYERS[method]

@@ -56,7 +56,8 @@ def test_furnace(device, kappa, base_kappa):  # noqa: F811
         scene = coated_scene(coating_of(kappa, base_kappa), degrees, 1.0)
         scene.camera = camera_at(degrees, focal=100)
         energy = rendered(device, scene, 1).mean()
-        truth = path_traced(scene, 4096 if kappa == 1.0 or base_kappa == 1.0 else 1024).mean()  # else too few get out
+        paths = 4096 if kappa == 1.0 or base_kappa == 1.0 else 1024  # fewer get out there
+        truth = path_traced(scene, paths).mean()
         print(f"{degrees} degrees: {energy:.3f}, truth {truth:.3f}")
         assert energy < 1.0
         assert energy == pytest.approx(truth, rel=0.05)
@@ -121,8 +122,8 @@ QUICK_KAPPAS = {(1.0, 10.0), (10.0, 10.0), (1e3, 1e3)}
     pytest.param(*pair, marks=() if pair in QUICK_KAPPAS else pytest.mark.slow)
     for pair in itertools.product(KAPPAS, KAPPAS)])
 def test_is_as_recursive_sampling_has_it(device, forest, kappa, base_kappa):  # noqa: F811
-    """Lacquer would be too bright or too dark, or lit from the wrong side; or no better than by the simplest of
-    layered models. In the mean of twelve directions, which are seen through a narrow field, so that each is one."""
+    """Lacquer would be too bright or too dark, or lit from the wrong side; or no better than by the simplest
+    of layered models. In the mean of twelve directions, each seen through a narrow field."""
     errors = []
     for degrees, azimuth in itertools.product(ANGLES, (0.7, 2.8, 4.9)):
         scene = coated_scene(coating_of(kappa, base_kappa), degrees, forest)

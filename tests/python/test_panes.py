@@ -57,8 +57,8 @@ def thin_box(half):
 
 
 def camera_at(degrees, azimuth=0.7, focal=4):
-    """Four units from the origin, by so much off the Z axis; azimuth in radians. The field of view is 28 degrees,
-    or 2 atan(1 / focal)."""
+    """Four units from the origin, by so much off the Z axis; azimuth in radians. The field of view is 28
+    degrees, or 2 atan(1 / focal)."""
     theta, phi = np.radians(degrees), azimuth
     matrix = np.eye(4)
     matrix[:3, 2] = [np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)]
