@@ -35,7 +35,7 @@ def frames(plan: Plan, progress: Progress) -> list[Row]:
 
 
 def bounces(plan: Plan, progress: Progress) -> list[Row]:
-    """Of the path tracer on the monkey: recursive sampling beside ENDF, as layer_cost.measure_both() has it."""
+    """Of the path tracer on the monkey: recursive sampling beside ENDF, by layer_cost.measure_both()."""
     monkey = _monkey(plan, progress)
     rows = []
     for count in plan.bounces:

@@ -52,14 +52,14 @@ def table_2(studio: Studio) -> Figure:
                              **coated.coating.numbers, **costs, "speedup_in_the_paper": speedup})
     caption = (
         f"A mirror under a clear layer, {coated.coating.title}, path traced in {small.size} x {small.size} "
-        "pixels: light that has met the base so often and no other, as in the paper, and all light with up to "
-        "so many bounces. Milliseconds: CPU time of all threads for one sample of every pixel. Noise: variance "
-        f"of pictures of {SAMPLES} samples, each with a seed of its own, about their mean and relative to its "
-        "square. Speedups are at equal samples and at equal noise, where the ratios of both are multiplied. "
-        "For the light of one bounce, recursion takes a path through all of the layer's interfaces, whose cost "
-        "and noise grow with the bounces; ENDF's is one draw. For all light, it follows one branch, which "
-        "stays inside with the probability of the reflection there, mostly some percent, so that further "
-        f"bounces cost neither much. Paths end after {MAX_INTERFACES} interfaces.")
+        "pixels: light that has met the base so often and no other, as in the paper, and all light with up "
+        "to so many bounces. Milliseconds: CPU time of all threads for one sample of every pixel. Noise: "
+        f"variance of pictures of {SAMPLES} samples, each with a seed of its own, about their mean and "
+        "relative to its square. Speedups are at equal samples and at equal noise, where the ratios of both "
+        "are multiplied. For the light of one bounce, recursion takes a path through all of the layer's "
+        "interfaces, whose cost and noise grow with the bounces; ENDF's is one draw. For all light, it "
+        "follows one branch, which stays inside with the probability of the reflection there, mostly some "
+        f"percent, so that further bounces cost neither much. Paths end after {MAX_INTERFACES} interfaces.")
     return Figure("endf_table2", "Cost by bounces", caption, _draw(rows), rows)
 
 
@@ -71,8 +71,8 @@ def measure_both(coated: Coated, samples: int, seeds: int) -> Iterator[Row]:
 
 
 def measure(coated: Coated, samples: int, seeds: int, bounce: int | None = None) -> Row:
-    """Cost of a sample and noise of both methods, whose pictures take turns, and what they make of it. bounce:
-    the one whose light is followed; None for all light."""
+    """Cost of a sample and noise of both methods, whose pictures take turns, and what they make of it.
+    bounce: the one whose light is followed; None for all light."""
     pictures: dict[str, list[np.ndarray]] = {method: [] for method in METHODS}
     seconds: dict[str, list[float]] = {method: [] for method in METHODS}
     for seed in range(1, seeds + 1):
