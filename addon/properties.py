@@ -123,7 +123,7 @@ class VerglasSceneSettings(bpy.types.PropertyGroup):
             ('TABLE', "Table", "Tables, computed once for each distribution of microfacets; the most exact"),
             ('ANALYTIC', "Analytic",
              "Closed forms, with nothing to compute beforehand; less exact, above all for GGX and near the "
-             "critical angle (Guo et al. 2016)"),
+             "critical angle (Guo et al. 2015)"),
         ),
         default='TABLE',
         update=_noticed,
@@ -211,6 +211,12 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
         default=0.1, min=0.0, max=1.0, subtype='FACTOR',
         update=_noticed,
     )
+    outer_image: PointerProperty(
+        name="Outer Image",
+        description="Roughness of the clear layer in place of the value: brightness over the default UV map",
+        type=bpy.types.Image,
+        update=_noticed,
+    )
     coating_ior: FloatProperty(
         name="IOR",
         description="Index of refraction of the clear layer",
@@ -225,8 +231,9 @@ class VerglasMaterialSettings(bpy.types.PropertyGroup):
     )
     bounces: IntProperty(
         name="Bounces",
-        description="How often light that leaves the layer has met its base, at most",
-        default=2, min=1, max=8,
+        description="How often light that leaves the layer has met its base, at most; with 0 only the outer "
+                    "side is seen",
+        default=2, min=0, max=8,
         update=_noticed,
     )
     metal: EnumProperty(

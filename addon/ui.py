@@ -168,13 +168,16 @@ class VERGLAS_MATERIAL_PT_glass(VerglasPanel, bpy.types.Panel):
     def draw_settings(self, context, layout):
         settings = context.material.verglas
         layout.prop(settings, "kind")
-        layout.prop(settings, "ndf")
+        if settings.kind != 'COATED':
+            layout.prop(settings, "ndf")
         if settings.kind == 'PANE':
             layout.prop(settings, "inner_roughness")
             layout.template_ID(settings, "inner_image", open="image.open")
             layout.prop(settings, "inner_reflections")
         elif settings.kind == 'COATED':
-            for name in ("outer_roughness", "coating_ior", "metal", "bounces", "thickness",
+            layout.prop(settings, "outer_roughness")
+            layout.template_ID(settings, "outer_image", open="image.open")
+            for name in ("coating_ior", "metal", "bounces", "thickness",
                          "absorption_color", "absorption_density"):
                 layout.prop(settings, name)
         else:

@@ -35,8 +35,13 @@ vec3 incoming_radiance(vec3 direction, float spread) {
     return environment_color * environment_radiance_at(environment_place(direction), spread);
 }
 
-// The same under one that is not narrower than the map's first blur. Software OpenGL takes half as long for it, as it
-// walks through both sides of a branch.
-vec3 blurred_radiance(vec3 direction, float spread) {
-    return environment_color * blurred_environment_at(environment_place(direction), spread);
+// The same where most lobes are wide. Software OpenGL takes half as long for these: it walks through both sides of a
+// branch, but not through a loop that it doesn't enter.
+vec3 incoming_wide_radiance(vec3 direction, float spread) {
+    vec2 uv = environment_place(direction);
+    float spread_0 = environment_spread(0);
+    vec3 radiance = blurred_environment_at(uv, max(spread, spread_0));
+    int narrow = spread < spread_0 ? 1 : 0;
+    for (int i = 0; i < narrow; ++i) radiance = mix(sample_environment_map(uv), radiance, spread / spread_0);
+    return environment_color * radiance;
 }

@@ -87,7 +87,6 @@ struct Coated {
     CoatingPlace at;
     Place place;
     CoatingColors colors;  // 0 of what isn't shown
-    bool has_tails;        // the mirrored lobe
 };
 
 // How many lobes there are to look up of a group.
@@ -104,22 +103,16 @@ Lobe lobe_of(Coated coated, int group, int i) {
 // Loops in place of branches, and as few as can be: software OpenGL walks through both sides of each branch, and once
 // through each loop.
 
-// Of groups that aren't divided: one lobe, as wide along one axis as lobes at slanted views are; as a core and a tail
-// where the outer side's lobes have them.
+// Of groups that aren't divided: one lobe, as wide along one axis as lobes at slanted views are.
 vec3 narrow_radiance(Coated coated) {
     vec3 sum = vec3(0.0);
     for (int group = 0; group <= COATING_FIRST; ++group) {
         Lobe lobe = lobe_of(coated, group, 0);
         WideLobe wide = wide_lobe(lobe.direction, lobe.spread, coated.place.side);
-        bool tail = group == COATING_MIRRORED && coated.has_tails;
-        int taps = shown_lobes(coated, group) == 1 ? (tail ? 2 : 1) * EXIT_TAPS : 0;
-        vec3 color = coated.colors.groups[group] / float(EXIT_TAPS);
+        int taps = shown_lobes(coated, group) == 1 ? EXIT_TAPS : 0;
         for (int i = 0; i < taps; ++i) {
-            bool in_tail = i >= EXIT_TAPS;
-            float width = !tail ? 1.0 : in_tail ? TAIL_WIDTH : CORE_WIDTH;
-            float share = !tail ? 1.0 : in_tail ? TAIL_SHARE : 1.0 - TAIL_SHARE;
-            sum += share * color * incoming_radiance(coated.place, tap_direction(wide, i % EXIT_TAPS),
-                                                     widened_spread(wide.spread, width));
+            vec3 incoming = incoming_radiance(coated.place, tap_direction(wide, i), wide.spread);
+            sum += coated.colors.groups[group] / float(EXIT_TAPS) * incoming;
         }
     }
     return sum;
@@ -137,7 +130,7 @@ vec3 divided_radiance(Coated coated) {
     for (int i = 0; i < all; ++i) {
         int group = i < ends.x ? COATING_MIRRORED : i < ends.y ? COATING_FIRST : COATING_FURTHER;
         Lobe lobe = lobe_of(coated, group, i - (group == COATING_MIRRORED ? 0 : ends[group - 1]));
-        vec3 incoming = blurred_radiance(lobe.direction, max(lobe.spread, environment_spread(0))) +
+        vec3 incoming = incoming_wide_radiance(lobe.direction, lobe.spread) +
                         local_radiance(coated.place, lobe.direction, lobe.spread);
         sum += lobe.energy * coated.colors.groups[group] * incoming;
     }
@@ -156,7 +149,7 @@ vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 positio
     vec3 refracted = material.color_roughness.rgb * material.color_roughness.rgb;
     colors.groups[COATING_FIRST] *= refracted;
     colors.groups[COATING_FURTHER] *= refracted;
-    Coated coated = Coated(table, at, Place(position, n), colors, layer.edge_tint.w > 0.0);
+    Coated coated = Coated(table, at, Place(position, n), colors);
     return narrow_radiance(coated) + divided_radiance(coated);
 }
 

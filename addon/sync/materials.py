@@ -153,7 +153,6 @@ def _principled_coat(name: str, node: nodes.Node, check_images: bool) -> Glass |
         node.warn(f"has a coat of weight {weight:.2g}; it is rendered as a whole one")
     glass = _coated(name, node, check_images)
     _set_roughness(glass, node.input(*compat.COAT_ROUGHNESS), node, check_images)
-    glass.ndf = NDF_OF_DISTRIBUTION['GGX']
     if node.input("Coat IOR") is not None:
         glass.ior = _ior(node, "Coat IOR")
     tint = np.ones(3) if node.input("Coat Tint") is None else np.clip(node.color("Coat Tint"), 1e-3, 1.0)
@@ -267,7 +266,7 @@ def _apply_panel(material: bpy.types.Material, glass: Glass, warn: Warn, check_i
         warn(f"Material '{material.name}' can't be {wanted} with the shader that it has; "
              f"it is rendered as {'coated' if glass.kind == 'COATED' else 'solid glass'}.")
     if glass.kind == 'COATED':
-        _apply_coating(settings, glass)
+        _apply_coating(material, glass, warn, check_images)
     elif settings.kind == 'PANE':
         _apply_pane(material, glass, warn, check_images)
     if settings.ndf != 'NODES':
@@ -283,24 +282,34 @@ def _apply_pane(material: bpy.types.Material, glass: Glass, warn: Warn, check_im
     glass.kind = 'PANE'
     glass.layer.roughness = settings.inner_roughness
     glass.layer.inner_reflections = settings.inner_reflections
-    if settings.inner_image is None:
-        return
-    try:
-        glass.inner_roughness_map = expression_of_image(settings.inner_image, check_images)
-    except images.Unreadable as fault:
-        warn(f"Material '{material.name}' takes its inner roughness from image "
-             f"'{settings.inner_image.name}', which {fault}; its own value is used.")
+    glass.inner_roughness_map = _of_image(settings.inner_image, "inner", material, warn, check_images)
 
 
-def _apply_coating(settings: bpy.types.PropertyGroup, glass: Glass) -> None:
+def _apply_coating(material: bpy.types.Material, glass: Glass, warn: Warn, check_images: bool) -> None:
+    settings = material.verglas
     layer = glass.layer
-    if settings.kind == 'COATED':
-        glass.roughness, glass.ior = settings.outer_roughness, settings.coating_ior
-        layer.thickness = settings.thickness
     layer.bounces = settings.bounces
-    if settings.kind == 'COATED' and settings.metal != 'NODES':
+    if settings.kind != 'COATED':
+        return  # a Principled BSDF's coat
+    glass.roughness, glass.ior = settings.outer_roughness, settings.coating_ior
+    glass.roughness_map = _of_image(settings.outer_image, "outer", material, warn, check_images)
+    layer.thickness = settings.thickness
+    if settings.metal != 'NODES':
         layer.diffuse = False
         layer.base_color, layer.edge_tint = conductors.reflectance(settings.metal, glass.ior)
+
+
+def _of_image(image: bpy.types.Image | None, side: str, material: bpy.types.Material, warn: Warn,
+              check_images: bool) -> expressions.Expression | None:
+    """Roughness of a side; None where it has its value."""
+    if image is None:
+        return None
+    try:
+        return expression_of_image(image, check_images)
+    except images.Unreadable as fault:
+        warn(f"Material '{material.name}' takes its {side} roughness from image '{image.name}', which "
+             f"{fault}; its own value is used.")
+        return None
 
 
 def _absorption(color: np.ndarray, density: float) -> np.ndarray:

@@ -14,7 +14,7 @@ namespace verglas {
 // How coated surfaces are path traced.
 enum class LayerModel {
     Recursive,       // from interface to interface: the truth
-    Endf,            // extended normal distribution functions (Guo et al. 2016), one for each bounce
+    Endf,            // extended normal distribution functions (Guo et al. 2015), one for each bounce
     WeidlichWilkie,  // light that stays collimated in the layer meets the base once (2007)
 };
 

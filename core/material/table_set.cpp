@@ -37,9 +37,11 @@ bool TableSet::update(const std::vector<Material>& materials, Lobes lobes) {
         const LobeEvent refraction = material.fresnel ? LobeEvent::Refract : LobeEvent::RefractWithout;
         std::vector<InterfaceTables>& tables = of_materials_.emplace_back();
         for (const float eta : relative_indices(material, materials)) {
-            tables.push_back(
-                {eta, number_of(material.ndf, eta, refraction, keys),
-                 material.fresnel ? number_of(material.ndf, eta, LobeEvent::Reflect, keys) : -1});
+            InterfaceTables& added = tables.emplace_back();
+            added.eta = eta;
+            if (material.kind == MaterialKind::Coated) continue;  // whose tables are a CoatingSet's
+            added.refraction = number_of(material.ndf, eta, refraction, keys);
+            if (material.fresnel) added.reflection = number_of(material.ndf, eta, LobeEvent::Reflect, keys);
         }
     }
     if (keys == keys_ && !other_lobes) return false;

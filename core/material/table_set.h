@@ -17,7 +17,7 @@
 namespace verglas {
 
 // Of one material at one relative index: which slices hold its lobes, or with analytic lobes their kinds
-// (model::analytic_lobe_kind); -1 where it has none.
+// (model::analytic_lobe_kind); -1 where it has none, as coatings have.
 struct InterfaceTables {
     float eta = 1.0F;  // n_behind / n_before
     int refraction = -1;

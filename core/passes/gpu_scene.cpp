@@ -123,7 +123,7 @@ struct LayerData {
 LayerData layer_data(const Material& material, const model::CoatingTable& table) {
     const Layer& layer = material.layer;
     return {{layer.base_color, layer.diffuse ? 1.0F : 0.0F},
-            {layer.edge_tint, material.ndf == Ndf::Ggx ? 1.0F : 0.0F},
+            {layer.edge_tint, material.has_tails() ? 1.0F : 0.0F},
             {material.optical_depth(), 0.0F},
             {static_cast<int>(material.kind), std::min(layer.bounces, Layer::max_bounces),
              layer.inner_reflections ? 1 : 0, 0},
@@ -134,7 +134,7 @@ LayerData layer_data(const Material& material, const model::CoatingTable& table)
 // MaterialData::absorption.w.
 float lobe_kind(const Material& material) {
     if (material.kind != MaterialKind::Solid) return -1.0F;
-    return material.ndf == Ndf::Ggx ? 1.0F : 0.0F;
+    return material.has_tails() ? 1.0F : 0.0F;
 }
 
 // Two in each.

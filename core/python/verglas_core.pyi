@@ -40,10 +40,10 @@ def warped_beam(
 def kappa_by_jacobians(
     kappa_o: float, kappa_m: float, cos_theta_o: float, eta: float | None = None
 ) -> float:
-    """The concentration that the ENDF paper has for it (Guo et al. 2016, eqs. 18 and 21)."""
+    """The concentration that the ENDF paper has for it (Guo et al. 2015, eqs. 18 and 21)."""
 
 def vmf_facing_area(kappa: float, cos_theta_o: float) -> float:
-    """The integral of <o,m> over normals m of a von Mises-Fisher distribution (Guo et al. 2016, eq. 7), in closed
+    """The integral of <o,m> over normals m of a von Mises-Fisher distribution (Guo et al. 2015, eq. 7), in closed
     form, within 0.008. kappa: above 0. cos_theta_o: 0 … 1. Raises Error for values out of range."""
 
 class Mesh:
@@ -283,7 +283,7 @@ class Settings:
     """'NEWTON' (default) or 'MARCH'."""
     lobes: str
     """Where the lobes of interfaces come from: 'TABLE' (default), tables of the BSDF of Walter et al. (2007), built
-    once for each distribution of normals; 'ANALYTIC', closed forms (Guo et al. 2016), with nothing to build or to
+    once for each distribution of normals; 'ANALYTIC', closed forms (Guo et al. 2015), with nothing to build or to
     load, less exact."""
     tir: str
     """Total internal reflection: 'NONE', 'INCIDENT', 'CLAMP' (default) or 'BOUNCE', which follows the light that
@@ -420,7 +420,7 @@ class PathSettings:
     """TWO_INTERFACE: whether totally reflected light goes on inside until it leaves; else (default) it is lost."""
     layers: str
     """Of coated surfaces: 'RECURSIVE' (default), from interface to interface, the truth; 'ENDF', in closed form,
-    one draw for each bounce, by extended normal distribution functions (Guo et al. 2016); 'WEIDLICH_WILKIE', light
+    one draw for each bounce, by extended normal distribution functions (Guo et al. 2015); 'WEIDLICH_WILKIE', light
     that stays collimated in the layer and meets the base once (2007). A diffuse base has the last one's with both."""
     bounce: int | None
     """Of light that coatings send on, only what has met their base so often, 0 for that which their outer side

@@ -45,8 +45,8 @@ struct Layer {
 struct Material {
     std::string name;
     MaterialKind kind = MaterialKind::Solid;
-    Ndf ndf = Ndf::Beckmann;
-    float roughness = 0.5F;  // 0 … 1, of coatings … MAX_ROUGHNESS; alpha is its square
+    Ndf ndf = Ndf::Beckmann;  // of solids and panes; coatings' normals have vMF distributions
+    float roughness = 0.5F;   // 0 … 1, of coatings … MAX_ROUGHNESS; alpha is its square
     std::shared_ptr<const Texture> roughness_texture;  // in place of roughness; may be null
     Relief relief;                                     // of the normals
     float ior = 1.5F;                                  // inside relative to outside, 1 / max_eta … max_eta
@@ -58,6 +58,8 @@ struct Material {
     Layer layer;                       // of panes and coatings
 
     bool operator==(const Material&) const = default;
+    // Whether lobes reach farther than Gaussians of their variance.
+    bool has_tails() const { return ndf == Ndf::Ggx && kind != MaterialKind::Coated; }
     // Of a coating, straight through.
     glm::vec3 optical_depth() const { return absorption * layer.thickness; }
 };

@@ -312,7 +312,7 @@ void BundleTracer::meet_layer(const Meeting& meeting, Wave& next) const {
     if (sample_ > 0 && meeting.material.kind == MaterialKind::Pane) return draw_layer(meeting, next);
     const LayerLobes lobes = LayerLobes::of(scene_, meeting.hit, meeting.d, meeting.n, meeting.entering);
     if (sample_ > 0) {
-        draw_mirrored(meeting, next);
+        if (settings_.reflection) draw_mirrored(meeting, lobes, next);
         return draw_from_within(meeting, lobes, next);
     }
     const LayerLobe* greatest_lobe = nullptr;
@@ -334,6 +334,25 @@ BundleTracer::Branch BundleTracer::branch_of(const Meeting& meeting, const Layer
             .lobe = lobe.lobe,
             .color = lobe.color,
             .weight = meeting.beam.weight * lobe.lobe.energy * lobe.color};
+}
+
+// By the outer side of a coating: one direction of all its lobes.
+void BundleTracer::draw_mirrored(const Meeting& meeting, const LayerLobes& lobes, Wave& next) const {
+    if (meeting.beam.interfaces >= max_drawn_interfaces) return;
+    Branch whole{.way = Way::Reflected,
+                 .lobe = {.energy = 0.0F, .spread = 0.0F, .direction = meeting.n},
+                 .color = meeting.material.reflection_color,
+                 .weight = glm::vec3(0.0F)};
+    for (const LayerLobe& lobe : lobes.all()) {
+        if (lobe.way != LayerLobe::Way::Mirrored) continue;
+        const Branch branch = branch_of(meeting, lobe);
+        light(meeting, branch);
+        const float energy = whole.lobe.energy + lobe.lobe.energy;
+        whole.lobe = model::joined_lobe(whole.lobe, lobe.lobe, lobe.lobe.energy / energy);
+        whole.lobe.energy = energy;
+        whole.weight += branch.weight;
+    }
+    if (greatest(whole.weight) > 0.0F) draw(meeting, whole, next);
 }
 
 // Light from the base of a coating: of its lobes four at the front, else one, drawn by their weight.
@@ -419,7 +438,7 @@ void BundleTracer::light(const Meeting& meeting, const Branch& branch) const {
     const auto radiance = [&](float width) {
         return scene_.local_radiance(position, d, model::widened_spread(spread, width), side);
     };
-    const bool has_tail = meeting.material.ndf == Ndf::Ggx;
+    const bool has_tail = meeting.material.has_tails();
     meeting.radiance += branch.weight * (has_tail ? glm::mix(radiance(model::CORE_WIDTH),
                                                              radiance(model::TAIL_WIDTH), model::TAIL_SHARE)
                                                   : radiance(1.0F));
@@ -554,7 +573,7 @@ SobolPoint BundleTracer::point_of(const Beam& beam) const {
 // Whole ways through a thin layer, each with one of its ends: four at the front, else one.
 void BundleTracer::draw_layer(const Meeting& meeting, Wave& next) const {
     if (meeting.beam.interfaces >= max_drawn_interfaces) return;
-    draw_mirrored(meeting, next);
+    if (settings_.reflection) draw_front_reflection(meeting, next);
     const int count = meeting.beam.interfaces == 0 ? model::BUNDLE_RAYS : 1;
     Beam outgoing = meeting.beam;
     outgoing.weight /= static_cast<float>(count);
@@ -564,10 +583,10 @@ void BundleTracer::draw_layer(const Meeting& meeting, Wave& next) const {
     }
 }
 
-// By the outer interface.
-void BundleTracer::draw_mirrored(const Meeting& meeting, Wave& next) const {
+// By the side of a pane that the beam meets.
+void BundleTracer::draw_front_reflection(const Meeting& meeting, Wave& next) const {
     const InterfaceTables& tables = scene_.tables(meeting.hit.material, meeting.eta);
-    if (tables.reflection < 0 || !settings_.reflection) return;
+    if (tables.reflection < 0) return;
     Branch reflected{.way = Way::Reflected,
                      .lobe = scene_.lobes().reflected_lobe(tables.reflection, meeting.eta, meeting.roughness,
                                                            meeting.d, meeting.n),
@@ -625,7 +644,7 @@ model::Lobe BundleTracer::last_lobe(const Meeting& meeting, const PaneWalk& end,
 void BundleTracer::send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const {
     Beam& outgoing = next.beams.back();
     outgoing.exit = branch.way == Way::Reflected ? glm::vec3(0.0F) : -meeting.n;
-    outgoing.has_tail = meeting.material.ndf == Ndf::Ggx;
+    outgoing.has_tail = meeting.material.has_tails();
     if (settings_.paths == PathMode::TwoInterface && branch.way == Way::Refracted && !meeting.entering) {
         meeting.radiance += looked_up(outgoing);
         next.beams.pop_back();

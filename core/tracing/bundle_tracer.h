@@ -90,10 +90,11 @@ class BundleTracer {
     void look_between(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Beam& outgoing) const;
     SobolPoint point_of(const Beam& beam) const;
     static Branch branch_of(const Meeting& meeting, const LayerLobe& lobe);
+    void draw_mirrored(const Meeting& meeting, const LayerLobes& lobes, Wave& next) const;
     void draw_from_within(const Meeting& meeting, const LayerLobes& lobes, Wave& next) const;
     void draw_lobe(const Meeting& meeting, const Branch& branch, Beam outgoing, Wave& next) const;
     void draw_layer(const Meeting& meeting, Wave& next) const;
-    void draw_mirrored(const Meeting& meeting, Wave& next) const;
+    void draw_front_reflection(const Meeting& meeting, Wave& next) const;
     void draw_walk(const Meeting& meeting, Beam outgoing, Wave& next) const;
     model::Lobe last_lobe(const Meeting& meeting, const PaneWalk& end, float roughness) const;
     void send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const;

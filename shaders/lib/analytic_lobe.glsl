@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The lobes of rough interfaces in closed form, in place of tables: the normals of microfacets are a narrow Gaussian
-// about their mean, which the mirror's and Snell's law warp (Guo et al. 2016, the ENDF paper, eqs. 12 and 13).
+// about their mean, which the mirror's and Snell's law warp (Guo et al. 2015, the ENDF paper, eqs. 12 and 13).
 //
 // The paper's normals have their mean at n and one concentration. Here they are those that the viewer sees, weighted
 // with |o.m|: at slant angles their mean is tilted toward him, and they vary less in the plane of incidence. Light of

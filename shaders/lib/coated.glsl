@@ -101,6 +101,19 @@ SHARED int coating_lobes(CoatingTable table, int group) {
     return parts > 1 ? 2 * parts : 1;
 }
 
+// Two lobes of energies 1 - share and share as one, by their mean vectors, whose lengths are 1 - spread. With D between
+// both directions, |mean|^2 = A^2 - share (1 - share) a b D^2, where A is the mean of a = 1 - spread and b = 1 - spread'.
+SHARED Lobe joined_lobe(Lobe lobe, Lobe other, float share) {
+    vec3 between = other.direction - lobe.direction;
+    float a = 1.0f - lobe.spread;
+    float b = 1.0f - other.spread;
+    float mean = mix(a, b, share);
+    float apart = clamp(share * (1.0f - share) * a * b * dot(between, between) / max(mean * mean, 1e-6f), 0.0f, 1.0f);
+    lobe.spread = mix(lobe.spread, other.spread, share) + mean * apart / (1.0f + sqrt(1.0f - apart));
+    lobe.direction = normalize((1.0f - share) * a * lobe.direction + share * b * other.direction);
+    return lobe;
+}
+
 // Factors on light, its energy included.
 struct CoatingColors {
     mat3 groups;    // by group; what is joined is the first bounce's

@@ -68,19 +68,6 @@ SHARED Lobe coating_item_lobe(CoatingTable table, CoatingPlace place, int group,
     return lobe;
 }
 
-// Two lobes of energies 1 - share and share as one, by their mean vectors, whose lengths are 1 - spread. With D between
-// both directions, |mean|^2 = A^2 - share (1 - share) a b D^2, where A is the mean of a = 1 - spread and b = 1 - spread'.
-SHARED Lobe joined_lobe(Lobe lobe, Lobe other, float share) {
-    vec3 between = other.direction - lobe.direction;
-    float a = 1.0f - lobe.spread;
-    float b = 1.0f - other.spread;
-    float mean = mix(a, b, share);
-    float apart = clamp(share * (1.0f - share) * a * b * dot(between, between) / max(mean * mean, 1e-6f), 0.0f, 1.0f);
-    lobe.spread = mix(lobe.spread, other.spread, share) + mean * apart / (1.0f + sqrt(1.0f - apart));
-    lobe.direction = normalize((1.0f - share) * a * lobe.direction + share * b * other.direction);
-    return lobe;
-}
-
 // A part of a group on one side of the plane of incidence, in the frame of coated.glsl; its energy is that of a side, as
 // a share of the group's. further: the share of light of the further bounces that is joined with the first one's; else 0.
 SHARED Lobe coating_part(CoatingTable table, CoatingPlace place, int group, int part, float further) {

@@ -124,13 +124,14 @@ def test_both_sides_have_textures_of_their_own(small):
     np.testing.assert_allclose(picture, render(small).rgb, atol=3e-3)
 
 
-def test_image_that_is_missing_is_named(small):
-    """A pane whose image is gone would be clear without a word."""
-    material = pane_material(0.2, 0.4)
+@pytest.mark.parametrize("side", ["inner", "outer"])
+def test_image_that_is_missing_is_named(small, side):
+    """A pane or a lacquer whose image is gone would be clear without a word."""
+    material = pane_material(0.2, 0.4) if side == "inner" else lacquer(0.1)
     material.name = "Etched"
-    material.verglas.inner_image = bpy.data.images.new("Lost", 4, 4)
-    material.verglas.inner_image.source = 'FILE'
-    material.verglas.inner_image.filepath = "//lost.png"
+    image = bpy.data.images.new("Lost", 4, 4)
+    image.source, image.filepath = 'FILE', "//lost.png"
+    setattr(material.verglas, f"{side}_image", image)
     add_pane(material)
     render(small)
     assert any("'Etched'" in text and "'Lost'" in text for text in faults.warnings())
@@ -183,6 +184,41 @@ def test_metal_under_a_coating():
     assert 0.9 < red < 1.0 and 0.5 < green < red and blue < 0.5 * red
     # ((n - 1.5)^2 + k^2) / ((n + 1.5)^2 + k^2) with n = 0.183, k = 3.424
     assert red == pytest.approx(0.9255, abs=0.005)
+
+
+def lacquer(outer_roughness: float) -> bpy.types.Material:
+    material = new_material("Lacquer", "ShaderNodeBsdfGlossy", Color=(0.8, 0.4, 0.2, 1.0))
+    node_of(material.node_tree, "ShaderNodeBsdfGlossy").inputs["Roughness"].default_value = 0.2
+    material.verglas.kind, material.verglas.outer_roughness = 'COATED', outer_roughness
+    return material
+
+
+@pytest.mark.usefixtures("device")
+def test_image_is_painted_on_a_lacquer(small):
+    """Fingerprints on a varnish wouldn't be seen, or not where they are."""
+    set_map(small)
+    thing = add_pane(lacquer(0.3))
+    halves = np.repeat([[0.1, 0.8]], 2, axis=0).repeat(8, axis=1).repeat(8, axis=0)
+    thing.data.materials[0].verglas.outer_image = image_of("Halves", halves)
+    both = render(small).rgb
+    expected = []
+    for roughness in (0.1, 0.8):
+        thing.data.materials[0] = lacquer(roughness)
+        expected.append(render(small).rgb)
+    assert np.abs(expected[0] - expected[1]).max() > 0.02
+    np.testing.assert_allclose(both[:, :12], expected[0][:, :12], rtol=0.03)
+    np.testing.assert_allclose(both[:, 20:], expected[1][:, 20:], rtol=0.03)
+
+
+@pytest.mark.usefixtures("device")
+def test_without_bounces_a_lacquer_hides_its_base(small):
+    """What the layer's outer side alone looks like couldn't be seen."""
+    set_background(small)
+    material = lacquer(0.2)
+    material.verglas.bounces = 0
+    add_pane(material)
+    color = render(small).rgb.mean((0, 1))
+    assert color == pytest.approx(np.full(3, 0.04), rel=0.05)
 
 
 @pytest.mark.parametrize("diffuse", [False, True])

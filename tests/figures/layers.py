@@ -23,7 +23,7 @@ METHODS = ("opengl", "cpu", "endf", "weidlich_wilkie")
 WAYS = (
     "Ground truth follows light from interface to interface by recursive sampling; OpenGL and the CPU draw "
     "it in real time, without noise, OpenGL without what an object reflects of itself; ENDF path traced "
-    "draws each bounce from one extended distribution of normals (Guo et al. 2016); Weidlich and Wilkie's "
+    "draws each bounce from one extended distribution of normals (Guo et al. 2015); Weidlich and Wilkie's "
     "light (2007) stays collimated in the layer and meets the base once. Percentages: mean error as a share "
     "of the mean light; the noise of the truth alone, of {samples} samples, makes {noise:.1f}."
 )

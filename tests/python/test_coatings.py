@@ -128,8 +128,8 @@ def test_is_as_recursive_sampling_has_it(device, forest, kappa, base_kappa):  # 
     for degrees, azimuth in itertools.product(ANGLES, (0.7, 2.8, 4.9)):
         scene = coated_scene(coating_of(kappa, base_kappa), degrees, forest)
         scene.camera = camera_at(degrees, azimuth, focal=100)
-        truth = path_traced(scene, 2048 if (kappa, base_kappa) in QUICK_KAPPAS else 8192)
-        others = rendered(device, scene, 4), path_traced(scene, 256, 'WEIDLICH_WILKIE')
+        truth = path_traced(scene, 4096 if (kappa, base_kappa) in QUICK_KAPPAS else 8192)
+        others = rendered(device, scene, 16), path_traced(scene, 256, 'WEIDLICH_WILKIE')
         errors.append([relative_errors(other, truth) for other in others])
     ours, baseline = np.mean(errors, axis=0)
     print(f"kappa {kappa:g}, {base_kappa:g}: {ours:.3f}, Weidlich and Wilkie {baseline:.3f}")
