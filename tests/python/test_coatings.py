@@ -93,6 +93,22 @@ def test_without_bounces_the_outer_side_alone_reflects(device, degrees):  # noqa
         assert path_traced(alone, 512, layers) == pytest.approx(truth, rel=0.02), layers
 
 
+@pytest.mark.parametrize("kind, radius", [('SPHERE', 0.0), ('SPHERE', 1.0), ('SUN', 0.05)])
+@pytest.mark.parametrize("kappa, base_kappa", [(10.0, 10.0), (1e3, 10.0), (10.0, 1e3), (1e3, 1e3)])
+def test_lamps_shine_where_they_are_mirrored(device, kappa, base_kappa, kind, radius):  # noqa: F811
+    """Highlights on lacquer would be too bright or too dark, or change once further samples come."""
+    material = coating_of(kappa, base_kappa)
+    material.ndf = 'GGX'  # which says nothing of coatings
+    scene = coated_scene(material, 35, 0.0)
+    scene.environment_color = (0, 0, 0)
+    scene.camera = camera_at(35, focal=100)
+    toward = -np.asarray(camera_at(35).view)[2, :3] * [1, 1, -1]
+    scene.add_light("Lamp", kind, toward if kind == 'SUN' else 5 * toward, [25] * 3, radius=radius)
+    lit = rendered(device, scene, 1)
+    assert lit == pytest.approx(path_traced(scene, 4096), rel=0.15)
+    assert rendered(device, scene, 16) == pytest.approx(lit, rel=0.01)
+
+
 @pytest.mark.parametrize("layers", ['RECURSIVE', 'ENDF', 'WEIDLICH_WILKIE'])
 @pytest.mark.parametrize("fresnel", [True, False])
 @pytest.mark.parametrize("kappa, base_kappa", [(1e3, 10.0), (10.0, 1e3)])
