@@ -35,13 +35,16 @@ vec3 incoming_radiance(vec3 direction, float spread) {
     return environment_color * environment_radiance_at(environment_place(direction), spread);
 }
 
-// The same where most lobes are wide. Software OpenGL takes half as long for these: it walks through both sides of a
-// branch, but not through a loop that it doesn't enter.
-vec3 incoming_wide_radiance(vec3 direction, float spread) {
+// The sum under two lobes, most of which are wide. Software OpenGL takes half as long for these: it walks through both
+// sides of a branch, but not through a loop that it doesn't enter.
+vec3 incoming_wide_radiance(vec3 direction, vec3 other, float spread) {
     vec2 uv = environment_place(direction);
+    vec2 other_uv = environment_place(other);
     float spread_0 = environment_spread(0);
-    vec3 radiance = blurred_environment_at(uv, max(spread, spread_0));
+    EnvironmentLevels levels = environment_levels_of(max(spread, spread_0));
+    vec3 radiance = blurred_environment_at(uv, levels) + blurred_environment_at(other_uv, levels);
     int narrow = spread < spread_0 ? 1 : 0;
-    for (int i = 0; i < narrow; ++i) radiance = mix(sample_environment_map(uv), radiance, spread / spread_0);
+    for (int i = 0; i < narrow; ++i)
+        radiance = mix(sample_environment_map(uv) + sample_environment_map(other_uv), radiance, spread / spread_0);
     return environment_color * radiance;
 }

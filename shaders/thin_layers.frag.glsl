@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shades what is seen of the thin layers of one group of objects: with PANE defined, panes; with COATED, coated surfaces.
+// Shades what is seen of the thin layers of one group of objects: with PANE defined, panes; with COATED, coatings.
 // All light comes from the environment and the lights; what lies behind a pane isn't known here.
 #define THIN_LAYERS
 #include "local_lights.glsl"
@@ -89,15 +89,14 @@ struct Coated {
     CoatingColors colors;  // 0 of what isn't shown
 };
 
-// How many lobes there are to look up of a group.
-int shown_lobes(Coated coated, int group) {
-    return greatest(coated.colors.groups[group]) > 0.0 ? coating_lobes(coated.table, group) : 0;
+// How many parts there are to look up of a group.
+int shown_parts(Coated coated, int group) {
+    return greatest(coated.colors.groups[group]) > 0.0 ? coating_parts(coated.table, group) : 0;
 }
 
-Lobe lobe_of(Coated coated, int group, int i) {
+Lobe part_of(Coated coated, int group, int i) {
     float further = group == COATING_FIRST ? coated.colors.further : 0.0;
-    Lobe part = coating_part(coated.table, coated.at, group, i / 2, further);
-    return coating_lobe(coated.at, part, float(1 - 2 * (i & 1)));
+    return coating_part(coated.table, coated.at, group, i, further);
 }
 
 // Loops in place of branches, and as few as can be: software OpenGL walks through both sides of each branch, and once
@@ -107,9 +106,9 @@ Lobe lobe_of(Coated coated, int group, int i) {
 vec3 narrow_radiance(Coated coated) {
     vec3 sum = vec3(0.0);
     for (int group = 0; group <= COATING_FIRST; ++group) {
-        Lobe lobe = lobe_of(coated, group, 0);
+        Lobe lobe = coating_lobe(coated.at, part_of(coated, group, 0), 1.0);
         WideLobe wide = wide_lobe(lobe.direction, lobe.spread, coated.place.side);
-        int taps = shown_lobes(coated, group) == 1 ? EXIT_TAPS : 0;
+        int taps = shown_parts(coated, group) == 1 ? EXIT_TAPS : 0;
         for (int i = 0; i < taps; ++i) {
             vec3 incoming = incoming_radiance(coated.place, tap_direction(wide, i), wide.spread);
             sum += coated.colors.groups[group] / float(EXIT_TAPS) * incoming;
@@ -119,20 +118,23 @@ vec3 narrow_radiance(Coated coated) {
 }
 
 vec3 divided_radiance(Coated coated) {
-    ivec3 ends = ivec3(0);  // of each group's lobes
+    ivec3 ends = ivec3(0);  // of each group's parts
     int all = 0;
     for (int group = 0; group < COATING_GROUPS; ++group) {
-        int lobes = shown_lobes(coated, group);
-        all += lobes > 1 ? lobes : 0;
+        int parts = shown_parts(coated, group);
+        all += parts > 1 ? parts : 0;
         ends[group] = all;
     }
     vec3 sum = vec3(0.0);
     for (int i = 0; i < all; ++i) {
         int group = i < ends.x ? COATING_MIRRORED : i < ends.y ? COATING_FIRST : COATING_FURTHER;
-        Lobe lobe = lobe_of(coated, group, i - (group == COATING_MIRRORED ? 0 : ends[group - 1]));
-        vec3 incoming = incoming_wide_radiance(lobe.direction, lobe.spread) +
-                        local_radiance(coated.place, lobe.direction, lobe.spread);
-        sum += lobe.energy * coated.colors.groups[group] * incoming;
+        Lobe part = part_of(coated, group, i - (group == COATING_MIRRORED ? 0 : ends[group - 1]));
+        vec3 to_one_side = coating_lobe(coated.at, part, 1.0).direction;
+        vec3 to_other = coating_lobe(coated.at, part, -1.0).direction;
+        vec3 incoming = incoming_wide_radiance(to_one_side, to_other, part.spread) +
+                        local_radiance(coated.place, to_one_side, part.spread) +
+                        local_radiance(coated.place, to_other, part.spread);
+        sum += part.energy * coated.colors.groups[group] * incoming;
     }
     return sum;
 }

@@ -16,7 +16,7 @@ const int COATING_GROUPS = 3;
 const int COATING_SLICES = 3;
 const int COATING_PARTS = 2 * COATING_SLICES;
 
-// A row of a table is one pair of roughnesses: items side by side, each over the viewer's angle. The first two items are
+// A row of a table is one pair of roughnesses: items side by side, each over the viewer's angle. The first two are
 // energies and means, those of each group's parts (x, y, z, log2(spread)) of their lobes.
 const int COATING_ANGLES = 33;
 const int COATING_ITEMS = 2 + COATING_GROUPS * COATING_PARTS;
@@ -65,7 +65,9 @@ struct CoatingLight {
 };
 
 // Axis of roughness; as that of the lobe tables, and on to where coatings end.
-SHARED float coating_axis(float roughness) { return pow(clamp(roughness, LOBE_MIN_ROUGHNESS, MAX_ROUGHNESS), 1.0f / 3.0f); }
+SHARED float coating_axis(float roughness) {
+    return pow(clamp(roughness, LOBE_MIN_ROUGHNESS, MAX_ROUGHNESS), 1.0f / 3.0f);
+}
 
 // Axis of the viewer's angle, 0 … 1 from grazing to straight, along which mean directions turn evenly.
 SHARED float coating_column(float cos_theta) { return 1.0f - acos(clamp(cos_theta, 0.0f, 1.0f)) / (0.5f * PI); }
@@ -101,8 +103,8 @@ SHARED int coating_lobes(CoatingTable table, int group) {
     return parts > 1 ? 2 * parts : 1;
 }
 
-// Two lobes of energies 1 - share and share as one, by their mean vectors, whose lengths are 1 - spread. With D between
-// both directions, |mean|^2 = A^2 - share (1 - share) a b D^2, where A is the mean of a = 1 - spread and b = 1 - spread'.
+// Two lobes of energies 1 - share and share as one, by their mean vectors, whose lengths are a = 1 - spread and b of the
+// other one. With D between both directions and A the mean of a and b, |mean|^2 = A^2 - share (1 - share) a b D^2.
 SHARED Lobe joined_lobe(Lobe lobe, Lobe other, float share) {
     vec3 between = other.direction - lobe.direction;
     float a = 1.0f - lobe.spread;

@@ -68,8 +68,9 @@ SHARED Lobe coating_item_lobe(CoatingTable table, CoatingPlace place, int group,
     return lobe;
 }
 
-// A part of a group on one side of the plane of incidence, in the frame of coated.glsl; its energy is that of a side, as
-// a share of the group's. further: the share of light of the further bounces that is joined with the first one's; else 0.
+// A part of a group on one side of the plane of incidence, in the frame of coated.glsl; its energy is that of a side,
+// as a share of the group's. further: the share of light of the further bounces that is joined with the first one's;
+// else 0.
 SHARED Lobe coating_part(CoatingTable table, CoatingPlace place, int group, int part, float further) {
     Lobe lobe = coating_item_lobe(table, place, group, part);
     if (further > 0.0f) lobe = joined_lobe(lobe, coating_item_lobe(table, place, COATING_FURTHER, part), further);

@@ -14,22 +14,32 @@ SHARED int sharper_level(float spread) {
     return level;
 }
 
-// Mean radiance under a lobe about a place of environment_uv that is not narrower than the first level's Gaussian.
-// Between two levels it is interpolated linearly in spread, the variance of a narrow lobe, in which diffusion is linear
-// to first order.
-SHARED vec3 blurred_environment_at(vec2 uv, float spread) {
-    int level = sharper_level(spread);
-    float sharper = environment_spread(level);
-    float t = (spread - sharper) / (environment_spread(level + 1) - sharper);
-    return mix(sample_environment_level(level, uv), sample_environment_level(level + 1, uv), clamp(t, 0.0f, 1.0f));
+// Between the levels next to a lobe that is not narrower than the first one's Gaussian. Interpolation is linear in
+// spread, the variance of a narrow lobe, in which diffusion is linear to first order.
+struct EnvironmentLevels {
+    int sharper;
+    float share;  // of the next one
+};
+
+SHARED EnvironmentLevels environment_levels_of(float spread) {
+    EnvironmentLevels at;
+    at.sharper = sharper_level(spread);
+    float sharper = environment_spread(at.sharper);
+    at.share = clamp((spread - sharper) / (environment_spread(at.sharper + 1) - sharper), 0.0f, 1.0f);
+    return at;
 }
 
-// The same under any lobe.
+// Mean radiance about a place of environment_uv.
+SHARED vec3 blurred_environment_at(vec2 uv, EnvironmentLevels at) {
+    return mix(sample_environment_level(at.sharper, uv), sample_environment_level(at.sharper + 1, uv), at.share);
+}
+
+// Mean radiance under any lobe.
 SHARED vec3 environment_radiance_at(vec2 uv, float spread) {
     float spread_0 = environment_spread(0);
     if (spread < spread_0)
         return mix(sample_environment_map(uv), sample_environment_level(0, uv), spread / spread_0);
-    return blurred_environment_at(uv, spread);
+    return blurred_environment_at(uv, environment_levels_of(spread));
 }
 
 // The same about a unit direction in the map's frame.
