@@ -11,6 +11,7 @@
 #include "core/material/model.h"
 #include "core/math/low_discrepancy.h"
 #include "core/math/pixel_filter.h"
+#include "core/passes/behind.h"
 #include "core/passes/geometry.h"
 #include "core/passes/gpu_scene.h"
 #include "core/passes/pyramid.h"
@@ -141,6 +142,7 @@ class Renderer::Device {
     BackgroundPass background_;
     DataPass data_;
     std::unique_ptr<PyramidPass> pyramid_;
+    std::unique_ptr<BehindPass> behind_;  // from the first pane with something behind it
     gl::Timers timers_;
     MeshCache meshes_;
     TextureCache textures_;
@@ -217,8 +219,18 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
         return with_pyramid || with_classes ? Rect{{}, settings.size} : group.rect;
     };
     geometry_.clear(targets.front, Faces::NearestFront, {glm::ivec2(0), settings.size});
+    const bool has_others = !canvas.groups.empty() && !canvas.groups.front().is_of_panes();
+    std::optional<BehindPanes> behind;
     for (int number = 0; number < static_cast<int>(canvas.groups.size()); ++number) {
         const ViewGroup& group = canvas.groups[number];
+        if (group.is_of_panes() && has_others && !behind) {
+            const gl::PassScope pass("picture behind panes");
+            const gl::Timers::Scope timer(timers_, "behind");
+            if (!behind_) behind_ = std::make_unique<BehindPass>();
+            behind_->build(inputs, targets.shaded);
+            behind.emplace(behind_->pictures());
+            pass.check();
+        }
         const bool has_solids = group.has(MaterialKind::Solid);
         if (has_solids) {
             const gl::PassScope pass("back faces");
@@ -267,7 +279,8 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
         if (materials_.has_thin_layers()) {
             const gl::PassScope pass("thin layers");
             const gl::Timers::Scope timer(timers_, "thin_layers");
-            thin_layers_.draw(inputs, targets.shaded_framebuffer, materials_, group, number);
+            thin_layers_.draw(inputs, targets.shaded_framebuffer, materials_, behind ? &*behind : nullptr,
+                              group, number);
             pass.check();
         }
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shades what is seen of the thin layers of one group of objects: with PANE defined, panes; with COATED, coatings.
-// All light comes from the environment and the lights; what lies behind a pane isn't known here.
+// Light comes from the environment, the lights and, with BEHIND, through panes from what is drawn of the scene.
 #define THIN_LAYERS
 #include "local_lights.glsl"
 #include "screen_space.glsl"
@@ -20,29 +20,50 @@ const int SHADED_KIND = KIND_PANE;
 #include "lib/pane.glsl"
 #include "lib/pane_lookup.glsl"
 
-vec3 incoming_radiance(Place place, WideLobe lobe, float width) {
+#ifdef BEHIND
+#include "behind.glsl"
+
+// Light under a lobe from the far side: what of it the scene there fills hides the rest.
+vec3 with_scene(vec3 incoming, Place place, vec3 direction, float spread) {
+    vec4 seen = radiance_behind(place.position, direction, spread);
+    return (1.0 - seen.a) * incoming + seen.rgb;
+}
+#else
+vec3 with_scene(vec3 incoming, Place place, vec3 direction, float spread) { return incoming; }
+#endif
+
+vec3 incoming_radiance(Place place, WideLobe lobe, float width, bool through) {
     float spread = widened_spread(lobe.spread, width);
     vec3 sum = vec3(0.0);
     for (int i = 0; i < EXIT_TAPS; ++i) sum += incoming_radiance(place, tap_direction(lobe, i), spread);
-    return sum / float(EXIT_TAPS);
+    sum /= float(EXIT_TAPS);
+    return through ? with_scene(sum, place, lobe.direction, spread) : sum;
 }
 
 // Under the lobe with these moments; as a core and a tail where the sides' lobes have them.
-vec3 incoming_radiance(Place place, Moments moments, bool tail) {
+vec3 incoming_radiance(Place place, Moments moments, bool tail, bool through) {
     if (moments.energy <= 0.0) return vec3(0.0);
     WideLobe lobe = wide_lobe_from_moments(moments);
-    vec3 incoming = incoming_radiance(place, lobe, tail ? CORE_WIDTH : 1.0);
-    if (tail) incoming = mix(incoming, incoming_radiance(place, lobe, TAIL_WIDTH), TAIL_SHARE);
+    vec3 incoming = incoming_radiance(place, lobe, tail ? CORE_WIDTH : 1.0, through);
+    if (tail) incoming = mix(incoming, incoming_radiance(place, lobe, TAIL_WIDTH, through), TAIL_SHARE);
     return moments.energy * incoming;
 }
 
-vec3 incoming_radiance(Place place, Fan fan) {
+// The scene is seen under all of a fan's lobes as one.
+vec3 incoming_radiance(Place place, Fan fan, bool through) {
     vec3 sum = vec3(0.0);
+    vec3 mean = vec3(0.0);
+    float energy = 0.0;
     for (int i = 0; i < FAN_RAYS; ++i) {
         Lobe lobe = fan.lobes[i];
-        if (lobe.energy > 0.0) sum += lobe.energy * incoming_radiance(place, lobe.direction, lobe.spread);
+        if (lobe.energy <= 0.0) continue;
+        sum += lobe.energy * incoming_radiance(place, lobe.direction, lobe.spread);
+        mean += lobe.energy * (1.0 - lobe.spread) * lobe.direction;
+        energy += lobe.energy;
     }
-    return sum;
+    if (!through || energy <= 0.0) return sum;
+    float spread = clamp(1.0 - length(mean) / energy, LOBE_MIN_SPREAD, 1.0);
+    return energy * with_scene(sum / energy, place, normalize(mean), spread);
 }
 
 // By the outer side.
@@ -50,7 +71,7 @@ vec3 mirrored_radiance(Material material, Pane pane, Place place, vec3 d, bool t
     if (!reflection || pane.reflection_outside < 0) return vec3(0.0);
     Lobe mirror = reflected_lobe(pane.reflection_outside, pane.eta, pane.near_roughness, d, place.side);
     Moments moments = add_lobe(no_moments(), mirror, place.side, 1.0);
-    return material.reflection_ior.rgb * incoming_radiance(place, moments, tail);
+    return material.reflection_ior.rgb * incoming_radiance(place, moments, tail, false);
 }
 
 vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 position, vec3 d, vec3 n) {
@@ -61,8 +82,9 @@ vec3 layer_radiance(Material material, Layer layer, vec2 roughness, vec3 positio
     Place behind = Place(position, -n);
     Place before = Place(position, n);
     PaneLobes lobes = pane_lobes(pane, d, n);
-    vec3 sum = color * (incoming_radiance(behind, lobes.transmitted, tail) + incoming_radiance(behind, lobes.trapped));
-    if (reflection) sum += color * incoming_radiance(before, lobes.reflected);
+    vec3 sum = color * (incoming_radiance(behind, lobes.transmitted, tail, true) +
+                        incoming_radiance(behind, lobes.trapped, true));
+    if (reflection) sum += color * incoming_radiance(before, lobes.reflected, false);
     return sum + mirrored_radiance(material, pane, before, d, tail);
 }
 

@@ -23,7 +23,9 @@ enum Unit : GLuint {
     farthest_front_unit,
     front_roughness_unit,
     back_classes_unit,
-    coatings_unit
+    coatings_unit,
+    behind_radiance_unit,
+    behind_depth_unit
 };
 
 void begin(const gl::Framebuffer& target, const View& view, const Rect& rect) {
@@ -167,10 +169,12 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
 }
 
 void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
-                         const MaterialCache& materials, const ViewGroup& group, int number) {
+                         const MaterialCache& materials, const BehindPanes* behind, const ViewGroup& group,
+                         int number) {
     for (const MaterialKind kind : {MaterialKind::Pane, MaterialKind::Coated}) {
         if (!group.has(kind)) continue;
-        const gl::Program& shader = program(kind, inputs.settings.lobes);
+        const bool has_behind = kind == MaterialKind::Pane && behind != nullptr;
+        const gl::Program& shader = program(kind, inputs.settings.lobes, has_behind);
         shader.use();
         set_environment(shader, inputs);
         set_lights(shader, inputs.lights);
@@ -179,6 +183,10 @@ void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& tar
             set_lobes(shader, inputs, materials);
         else
             set_texture(shader, "coating_rows", coatings_unit, materials.coating_rows());
+        if (has_behind) {
+            set_texture(shader, "behind_radiance", behind_radiance_unit, behind->radiance);
+            set_texture(shader, "behind_depth", behind_depth_unit, behind->depth);
+        }
         set_texture(shader, "front_roughness", front_roughness_unit, inputs.front.roughness());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, materials.layers().id());
@@ -192,12 +200,13 @@ void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& tar
     }
 }
 
-const gl::Program& ThinLayerPass::program(MaterialKind kind, Lobes lobes) {
-    const std::pair key(kind, lobes);
+const gl::Program& ThinLayerPass::program(MaterialKind kind, Lobes lobes, bool has_behind) {
+    const std::tuple key(kind, lobes, has_behind);
     const auto found = programs_.find(key);
     if (found != programs_.end()) return found->second;
     std::vector<std::string> defines = {kind == MaterialKind::Pane ? "PANE" : "COATED"};
     define_lobes(defines, lobes);
+    if (has_behind) defines.emplace_back("BEHIND");
     return programs_.emplace(key, gl::Program("full_screen.vert.glsl", "thin_layers.frag.glsl", defines))
         .first->second;
 }

@@ -69,17 +69,25 @@ class RefractionPass {
     gl::VertexArray empty_;
 };
 
+// What lies behind panes, as shaders/behind.glsl reads it.
+struct BehindPanes {
+    const gl::Texture& radiance;
+    const gl::Texture& depth;
+};
+
 // Shades the front faces of a group that are thin layers: panes and coated surfaces.
 class ThinLayerPass {
   public:
     ThinLayerPass() : empty_(gl::make_vertex_array()) {}
+    // behind: of panes; may be null.
     void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const MaterialCache& materials,
-              const ViewGroup& group, int number);
+              const BehindPanes* behind, const ViewGroup& group, int number);
 
   private:
-    const gl::Program& program(MaterialKind kind, Lobes lobes);
+    const gl::Program& program(MaterialKind kind, Lobes lobes, bool has_behind);
 
-    std::map<std::pair<MaterialKind, Lobes>, gl::Program> programs_;  // each from when it is needed first
+    // Each from when it is needed first.
+    std::map<std::tuple<MaterialKind, Lobes, bool>, gl::Program> programs_;
     gl::VertexArray empty_;
 };
 

@@ -42,6 +42,10 @@ Rect project(const std::array<glm::vec3, 8>& corners, const glm::mat4& projectio
 std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes, glm::ivec2 size,
                                      const Rect& region) {
     std::vector<ViewGroup> groups;
+    // Which show what lies beside the region, blurred.
+    const bool has_panes =
+        std::any_of(scene.materials.begin(), scene.materials.end(),
+                    [](const Material& material) { return material.kind == MaterialKind::Pane; });
     for (const Object& object : scene.objects) {
         if (object.mesh->indices().empty()) continue;
         ViewObject item;
@@ -55,9 +59,10 @@ std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes
         item.diagonal = glm::distance(corners.front(), corners.back());
         for (int i = 1; i < 4; ++i)
             item.diagonal = std::max(item.diagonal, glm::distance(corners[i], corners[7 - i]));
-        if (item.rect.intersected(region).empty()) continue;
+        if (item.rect.intersected(has_panes ? Rect{{}, size} : region).empty()) continue;
         const auto fits = [&item](const ViewGroup& group) {
-            return std::none_of(group.objects.begin(), group.objects.end(),
+            return group.is_of_panes() == item.is_pane() &&
+                   std::none_of(group.objects.begin(), group.objects.end(),
                                 [&item](const ViewObject& other) { return other.rect.overlaps(item.rect); });
         };
         const auto group = std::find_if(groups.begin(), groups.end(), fits);
@@ -68,6 +73,8 @@ std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes
             group->rect = group->rect.united(item.rect);
         }
     }
+    std::stable_partition(groups.begin(), groups.end(),
+                          [](const ViewGroup& group) { return !group.is_of_panes(); });
     return groups;
 }
 

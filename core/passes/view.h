@@ -28,9 +28,12 @@ struct ViewObject {
     unsigned kinds = 0;  // bits of its materials' MaterialKind
 
     bool has(MaterialKind kind) const { return (kinds >> static_cast<unsigned>(kind) & 1U) != 0; }
+    bool is_pane() const { return kinds == 1U << static_cast<unsigned>(MaterialKind::Pane); }
 };
 
 // Objects whose rectangles don't overlap share their passes, and no pixel of one sees the back of another.
+// Panes, through which others are seen, are in groups of their own; objects that are panes in part are no
+// panes here.
 struct ViewGroup {
     std::vector<ViewObject> objects;
     Rect rect;  // around all
@@ -39,9 +42,10 @@ struct ViewGroup {
         return std::any_of(objects.begin(), objects.end(),
                            [kind](const ViewObject& item) { return item.has(kind); });
     }
+    bool is_of_panes() const { return objects.front().is_pane(); }
 };
 
-// The objects that can be seen in the region, in groups.
+// The objects that can be seen in the region, in groups, those of panes last.
 std::vector<ViewGroup> group_objects(const Scene& scene, const MeshCache& meshes, glm::ivec2 size,
                                      const Rect& region);
 

@@ -70,9 +70,9 @@ struct Crossing {
     glm::mat3 frame;
     glm::vec3 o;  // toward the viewer, in the frame
     RoughInterface surface;
-    glm::vec3 color;                    // factor of what is refracted
-    glm::vec3 reflection_color;         // and reflected
-    const LayeredBsdf* bsdf = nullptr;  // in place of the surface and its colours
+    glm::vec3 color;                               // factor of what is refracted
+    glm::vec3 reflection_color;                    // and reflected
+    const LayeredBsdf* bsdf = nullptr;             // in place of the surface and its colours
     std::optional<RoughInterface::Event> event{};  // the only one that is followed
 };
 

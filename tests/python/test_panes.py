@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import verglas_core as verglas
-from conftest import flat_faces
+from conftest import flat_faces, gradient_map, sphere
 
 FOREST = Path("/usr/share/blender/datafiles/studiolights/world/forest.exr")
 SIZE = 16
@@ -105,16 +105,23 @@ def truths(forest):
         key = roughness, inner_roughness, degrees
         if key not in known:
             materials = [glass_of(roughness), glass_of(inner_roughness)]
-            known[key] = []
-            for seed in range(2):
-                settings = verglas.PathSettings()
-                settings.width = settings.height = SIZE
-                settings.seed = seed
-                tracer = verglas.PathTracer(scene_of(thin_box(200), materials, degrees, forest), settings)
-                tracer.render(512 if (roughness, inner_roughness) in QUICK_PAIRS else 4096)
-                known[key].append(tracer.frame().combined[..., :3])
+            known[key] = path_traced_twice(scene_of(thin_box(200), materials, degrees, forest),
+                                           512 if (roughness, inner_roughness) in QUICK_PAIRS else 4096)
         return known[key]
     return make
+
+
+def path_traced_twice(scene, samples):
+    """Two independent pictures."""
+    pictures = []
+    for seed in range(2):
+        settings = verglas.PathSettings()
+        settings.width = settings.height = SIZE
+        settings.seed = seed
+        tracer = verglas.PathTracer(scene, settings)
+        tracer.render(samples)
+        pictures.append(tracer.frame().combined[..., :3])
+    return pictures
 
 
 def relative_mse(picture, truths):
@@ -137,6 +144,27 @@ def test_is_what_two_rough_sides_make(device, truths, forest, roughness, inner_r
     error = relative_mse(picture, truths(roughness, inner_roughness, degrees))
     print(f"relative MSE {error:.4f}")
     assert error < bar
+
+
+@pytest.mark.parametrize("roughness", ROUGHNESSES)
+@pytest.mark.parametrize("degrees, orthographic", [(0, False), (50, False), (20, True)])
+def test_what_is_behind_is_seen_through_it(device, degrees, orthographic, roughness):
+    """A window would hide the room behind it, or show it too sharp or at another place."""
+    empty, scene = (pane_scene(pane_of(roughness, roughness), degrees, gradient_map()) for _ in range(2))
+    paint = verglas.Material("Paint")
+    paint.kind, paint.roughness = 'COATED', 0.2
+    paint.layer.diffuse, paint.layer.base_color = True, (0.9, 0.2, 0.1)
+    matrix = np.diag([0.5, 0.5, 0.5, 1.0])
+    matrix[2, 3] = -0.6
+    scene.add_object("Ball", sphere(), matrix, [scene.add_material(paint)])
+    if orthographic:
+        scene.camera = verglas.Camera(view=scene.camera.view, projection=np.diag([0.8, 0.8, -0.02, 1.0]))
+        empty.camera = scene.camera
+    truths = path_traced_twice(scene, 64)
+    error, blank = (relative_mse(render(device, one), truths) for one in (scene, empty))
+    print(f"relative MSE {error:.4f}, without the ball {blank:.4f}")
+    assert error < 0.004
+    assert blank > 5 * error
 
 
 def test_sides_change_places_from_behind(device, forest):
