@@ -3,14 +3,14 @@
 // distance of what is there. Beside the picture and behind what is in front, nothing is known of it. The including code
 // has screen_space.glsl.
 
-uniform sampler2D behind_radiance;  // a: how much is covered, by which rgb is multiplied; mipmaps
-uniform sampler2D behind_depth;     // likewise
+uniform sampler2D behind_radiance;  // with mipmaps; a: the part that is covered, by which rgb is multiplied
+uniform sampler2D behind_depth;     // likewise multiplied
 
 // Rings of points under a Gaussian, in its standard deviations, and their weights.
 const int BEHIND_RINGS = 2;
 const int BEHIND_POINTS = 6;
 
-// In pixels a level's texel is so wide; a level is as blurred as its texels are wide.
+// The level whose texels are nearly as wide as a blur in pixels.
 float behind_level(float blur) {
     return clamp(log2(max(0.8 * blur, 1.0)), 0.0, float(textureQueryLevels(behind_radiance) - 1));
 }
