@@ -29,11 +29,14 @@ class EnvironmentModel {
         return Lookup{*environment_->map, levels_}.environment_radiance(direction, spread);
     }
 
-    // The same about many directions, as long as there are radiances.
-    void environment_radiance(std::span<const vec3> directions, float spread,
+    // The same about many directions. spreads: as many, or one for all; radiances: as many.
+    void environment_radiance(std::span<const vec3> directions, std::span<const float> spreads,
                               std::span<vec3> radiances) const {
         constexpr std::size_t width = 4;
         Lookup lookup{*environment_->map, levels_};
+        // Of the last spread: often several have the same.
+        float known_spread = -1.0F;
+        Lookup::EnvironmentLevels known{};
         for (std::size_t first = 0; first < directions.size(); first += width) {
             // Half of the work: side by side, in vector code.
             float x[width], y[width], z[width], u[width], v[width];
@@ -49,8 +52,16 @@ class EnvironmentModel {
                 u[i] = uv.x;
                 v[i] = uv.y;
             }
-            for (std::size_t i = 0; i <= last; ++i)
-                radiances[first + i] = lookup.environment_radiance_at(vec2(u[i], v[i]), spread);
+            for (std::size_t i = 0; i <= last; ++i) {
+                const float spread = spreads[spreads.size() == 1 ? 0 : first + i];
+                const vec2 uv(u[i], v[i]);
+                if (spread < levels_.front().spread) {
+                    radiances[first + i] = lookup.environment_radiance_at(uv, spread);
+                    continue;
+                }
+                if (spread != known_spread) known = lookup.environment_levels_of(known_spread = spread);
+                radiances[first + i] = lookup.blurred_environment_at(uv, known);
+            }
         }
     }
 

@@ -129,6 +129,20 @@ struct BundleTracer::Branch {
     glm::vec3 weight;  // the beam's, the lobe's and the colour
 };
 
+// Of the environment under lobes.
+struct BundleTracer::Lookups {
+    std::array<glm::vec3, LayerLobes::most_lobes> weights;
+    std::array<glm::vec3, LayerLobes::most_lobes> directions;
+    std::array<float, LayerLobes::most_lobes> spreads;
+    std::size_t count = 0;
+
+    void add(const glm::vec3& weight, const glm::vec3& direction, float spread) {
+        weights[count] = weight;
+        directions[count] = direction;
+        spreads[count++] = spread;
+    }
+};
+
 glm::vec3 BundleTracer::Meeting::side(const Branch& branch) const {
     return (branch.way == Way::Reflected) == entering ? hit.geometric_normal : -hit.geometric_normal;
 }
@@ -218,7 +232,7 @@ void BundleTracer::see(View& view) const {
         if (view.hits[i].object < 0) view.directions.push_back(view.rays[i].d);
     view.radiances.resize(view.directions.size());
     const float spread = std::max(settings_.background_spread, model::LOBE_MIN_SPREAD);
-    scene_.incoming_radiance(view.directions, spread, view.radiances);
+    scene_.incoming_radiance(view.directions, std::span(&spread, 1), view.radiances);
     auto radiance = view.radiances.begin();
     for (std::size_t i = 0; i < view.rays.size(); ++i)
         if (view.hits[i].object < 0) view.backgrounds[i] = settings_.background_alpha * *radiance++;
@@ -323,10 +337,20 @@ void BundleTracer::meet_layer(const Meeting& meeting, Wave& next) const {
         greatest_weight = weight;
         greatest_lobe = &lobe;
     }
+    const Divergence reflected = turned(meeting.beam.divergence, meeting, Way::Reflected);
+    Lookups cut;  // of the lobes that aren't followed
     for (const LayerLobe& lobe : lobes.all()) {
         if (lobe.is_reflection(meeting.material) && !settings_.reflection) continue;
-        branch_off(meeting, branch_of(meeting, lobe), &lobe == greatest_lobe, next);
+        const Branch branch = branch_of(meeting, lobe);
+        light(meeting, branch);
+        if (is_followed(meeting, branch, &lobe == greatest_lobe)) {
+            go_on(meeting, branch, next);
+            continue;
+        }
+        const Divergence& before = branch.way == Way::Through ? meeting.beam.divergence : reflected;
+        cut.add(branch.weight, branch.lobe.direction, before.spread_with(branch.lobe.spread));
     }
+    meeting.radiance += looked_up(cut);
 }
 
 BundleTracer::Branch BundleTracer::branch_of(const Meeting& meeting, const LayerLobe& lobe) {
@@ -413,10 +437,21 @@ void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool
         if (beam.interfaces < max_drawn_interfaces) draw(meeting, branch, next);
         return;
     }
-    const bool is_followed = weight >= split_weight || (is_greater && weight >= least_weight);
-    if (!is_followed || beam.interfaces >= settings_.max_interfaces)
+    if (is_followed(meeting, branch, is_greater))
+        go_on(meeting, branch, next);
+    else
         meeting.radiance += cut_off(meeting, branch);
-    else if (meeting.is_front_refraction(branch) && branch.lobe.spread >= least_bundle_spread)
+}
+
+// Of the first sample.
+bool BundleTracer::is_followed(const Meeting& meeting, const Branch& branch, bool is_greater) const {
+    const float weight = greatest(branch.weight);
+    return meeting.beam.interfaces < settings_.max_interfaces &&
+           (weight >= split_weight || (is_greater && weight >= least_weight));
+}
+
+void BundleTracer::go_on(const Meeting& meeting, const Branch& branch, Wave& next) const {
+    if (meeting.is_front_refraction(branch) && branch.lobe.spread >= least_bundle_spread)
         split(meeting, branch, next);
     else
         follow(meeting, branch, next);
@@ -672,9 +707,19 @@ glm::vec3 BundleTracer::looked_up(const Beam& beam, float spread) const {
     std::array<glm::vec3, model::EXIT_TAPS> directions;
     std::array<glm::vec3, model::EXIT_TAPS> radiances;
     for (int i = 0; i < model::EXIT_TAPS; ++i) directions[i] = model::tap_direction(lobe, i);
-    scene_.incoming_radiance(directions, lobe.spread, radiances);
+    scene_.incoming_radiance(directions, std::span(&lobe.spread, 1), radiances);
     return std::accumulate(radiances.begin(), radiances.end(), glm::vec3(0.0F)) /
            static_cast<float>(model::EXIT_TAPS);
+}
+
+glm::vec3 BundleTracer::looked_up(Lookups& lookups) const {
+    std::array<glm::vec3, LayerLobes::most_lobes> radiances;
+    const std::span found(radiances.data(), lookups.count);
+    scene_.incoming_radiance({lookups.directions.data(), lookups.count},
+                             {lookups.spreads.data(), lookups.count}, found);
+    glm::vec3 sum(0.0F);
+    for (std::size_t i = 0; i < lookups.count; ++i) sum += lookups.weights[i] * found[i];
+    return sum;
 }
 
 // The light of a branch that isn't followed.

@@ -69,6 +69,7 @@ class BundleTracer {
     struct Meeting;
     struct Branch;
     enum class Way;
+    struct Lookups;
     struct Wave;
     struct View;
 
@@ -78,6 +79,8 @@ class BundleTracer {
               Wave& next) const;
     void meet_layer(const Meeting& meeting, Wave& next) const;
     void branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const;
+    bool is_followed(const Meeting& meeting, const Branch& branch, bool is_greater) const;
+    void go_on(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void light(const Meeting& meeting, const Branch& branch) const;
     float left_part(float roughness) const;
     Divergence turned(Divergence divergence, const Meeting& meeting, Way way) const;
@@ -100,6 +103,7 @@ class BundleTracer {
     void send(const Meeting& meeting, const Branch& branch, const glm::vec3& d, Wave& next) const;
     glm::vec3 looked_up(const Beam& beam) const;
     glm::vec3 looked_up(const Beam& beam, float spread) const;
+    glm::vec3 looked_up(Lookups& lookups) const;
     glm::vec3 cut_off(const Meeting& meeting, const Branch& branch) const;
 
     const TracedScene& scene_;

@@ -29,25 +29,34 @@ LayerLobes LayerLobes::of(const TracedScene& scene, const Hit& hit, const glm::v
     if (!entering) std::swap(pane.near_roughness, pane.far_roughness);
     result.add_pane(scene, material, pane, d, n);
     if (outside.reflection >= 0)
-        result.add({LayerLobe::Way::Mirrored,
-                    scene.lobes().reflected_lobe(outside.reflection, pane.eta, pane.near_roughness, d, n),
-                    material.reflection_color});
+        result.add(LayerLobe::Way::Mirrored,
+                   scene.lobes().reflected_lobe(outside.reflection, pane.eta, pane.near_roughness, d, n),
+                   material.reflection_color);
     return result;
 }
 
-void LayerLobes::add(const LayerLobe& lobe) {
-    if (lobe.lobe.energy > 0.0F) lobes_[count_++] = lobe;
+// By parts: a lobe that is copied as it was written waits for its memory, half of a coating's time here.
+void LayerLobes::add(LayerLobe::Way way, const model::Lobe& lobe, const glm::vec3& color) {
+    if (lobe.energy <= 0.0F) return;
+    LayerLobe& added = lobes_[count_++];
+    added.way = way;
+    added.lobe.energy = lobe.energy;
+    added.lobe.spread = lobe.spread;
+    for (int axis = 0; axis < 3; ++axis) {
+        added.lobe.direction[axis] = lobe.direction[axis];
+        added.color[axis] = color[axis];
+    }
 }
 
 void LayerLobes::add(LayerLobe::Way way, const model::Fan& fan, const glm::vec3& color) {
-    for (const model::Lobe& lobe : fan.lobes) add({way, lobe, color});
+    for (const model::Lobe& lobe : fan.lobes) add(way, lobe, color);
 }
 
 void LayerLobes::add_pane(const TracedScene& scene, const Material& material, const model::Pane& pane,
                           const glm::vec3& d, const glm::vec3& n) {
     const model::PaneLobes lobes = scene.lobes().pane_lobes(pane, d, n);
     const glm::vec3 color = material.color * material.color;  // of two refractions
-    add({LayerLobe::Way::Through, model::lobe_from_moments(lobes.transmitted), color});
+    add(LayerLobe::Way::Through, model::lobe_from_moments(lobes.transmitted), color);
     add(LayerLobe::Way::Through, lobes.trapped, color);
     add(LayerLobe::Way::FromWithin, lobes.reflected, color);
 }
@@ -71,14 +80,15 @@ void LayerLobes::add_coated(const TracedScene& scene, const Hit& hit, const glm:
     for (int group = 0; group < model::COATING_GROUPS; ++group) {
         if (model::greatest(colors.groups[group]) <= 0.0F) continue;
         const bool mirrored = group == model::COATING_MIRRORED;
-        const glm::vec3 tint = mirrored ? material.reflection_color : material.color * material.color;
+        const glm::vec3 color =
+            colors.groups[group] * (mirrored ? material.reflection_color : material.color * material.color);
         const float further = group == model::COATING_FIRST ? colors.further : 0.0F;
         const LayerLobe::Way way = mirrored ? LayerLobe::Way::Mirrored : LayerLobe::Way::FromWithin;
         const int parts = model::coating_parts(coating.table, group);
         for (int i = 0; i < parts; ++i) {
             const model::Lobe part = lobes.coating_part(coating.table, place, group, i, further);
-            add({way, lobes.coating_lobe(place, part, 1.0F), tint * colors.groups[group]});
-            if (parts > 1) add({way, lobes.coating_lobe(place, part, -1.0F), tint * colors.groups[group]});
+            add(way, lobes.coating_lobe(place, part, 1.0F), color);
+            if (parts > 1) add(way, lobes.coating_lobe(place, part, -1.0F), color);
         }
     }
 }

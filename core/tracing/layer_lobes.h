@@ -31,6 +31,10 @@ struct LayerLobe {
 
 class LayerLobes {
   public:
+    // Of a coating; a pane has a transmitted one, two fans, and a mirrored one.
+    static constexpr std::size_t most_lobes =
+        std::max(2 * (2 * model::COATING_PARTS + model::COATING_SLICES), 2 + 2 * model::FAN_RAYS);
+
     // d: unit, the ray's direction; n: unit, toward where it comes from; entering: from the side that the
     // mesh's normals show to.
     static LayerLobes of(const TracedScene& scene, const Hit& hit, const glm::vec3& d, const glm::vec3& n,
@@ -39,15 +43,11 @@ class LayerLobes {
     std::span<const LayerLobe> all() const { return {lobes_.data(), count_}; }
 
   private:
-    void add(const LayerLobe& lobe);
+    void add(LayerLobe::Way way, const model::Lobe& lobe, const glm::vec3& color);
     void add(LayerLobe::Way way, const model::Fan& fan, const glm::vec3& color);
     void add_pane(const TracedScene& scene, const Material& material, const model::Pane& pane,
                   const glm::vec3& d, const glm::vec3& n);
     void add_coated(const TracedScene& scene, const Hit& hit, const glm::vec3& d, const glm::vec3& n);
-
-    // Of a coating; a pane has a transmitted one, two fans, and a mirrored one.
-    static constexpr std::size_t most_lobes =
-        std::max(2 * (2 * model::COATING_PARTS + model::COATING_SLICES), 2 + 2 * model::FAN_RAYS);
 
     std::array<LayerLobe, most_lobes> lobes_;
     std::size_t count_ = 0;

@@ -49,12 +49,13 @@ class TracedScene {
                                                   spread);
     }
 
-    // The same about many directions, which become those of the map. radiances: as many as directions.
-    void incoming_radiance(std::span<glm::vec3> directions, float spread,
+    // The same about many directions, which become those of the map. spreads: as many, or one for all.
+    // radiances: as many as directions.
+    void incoming_radiance(std::span<glm::vec3> directions, std::span<const float> spreads,
                            std::span<glm::vec3> radiances) const {
         for (glm::vec3& direction : directions)
             direction = glm::normalize(scene_->environment_rotation * direction);
-        environment_->environment_radiance(directions, spread, radiances);
+        environment_->environment_radiance(directions, spreads, radiances);
         for (glm::vec3& radiance : radiances) radiance *= scene_->environment_color;
     }
 

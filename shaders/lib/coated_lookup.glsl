@@ -5,6 +5,7 @@
 
 // Where a roughness is among nodes.
 SHARED float coating_node(float roughness, float least, float greatest, int nodes) {
+    if (nodes < 2) return 0.0f;
     float t = (coating_axis(roughness) - least) / max(greatest - least, 1e-6f);
     return clamp(t, 0.0f, 1.0f) * float(nodes - 1);
 }
