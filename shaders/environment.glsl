@@ -28,7 +28,7 @@ int environment_last_level() { return environment_level_count - 1; }
 
 #include "lib/environment_lookup.glsl"
 
-vec2 environment_place(vec3 direction) { return environment_uv(normalize(view_to_environment * direction)); }
+vec2 environment_place(vec3 direction) { return environment_uv(view_to_environment * direction); }
 
 // All light that arrives from outside under a lobe about a unit direction in camera space.
 vec3 incoming_radiance(vec3 direction, float spread) {

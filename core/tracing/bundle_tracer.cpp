@@ -338,17 +338,21 @@ void BundleTracer::meet_layer(const Meeting& meeting, Wave& next) const {
         greatest_lobe = &lobe;
     }
     const Divergence reflected = turned(meeting.beam.divergence, meeting, Way::Reflected);
+    const bool lit = !scene_.scene().lights.empty();
     Lookups cut;  // of the lobes that aren't followed
     for (const LayerLobe& lobe : lobes.all()) {
         if (lobe.is_reflection(meeting.material) && !settings_.reflection) continue;
-        const Branch branch = branch_of(meeting, lobe);
-        light(meeting, branch);
-        if (is_followed(meeting, branch, &lobe == greatest_lobe)) {
-            go_on(meeting, branch, next);
-            continue;
+        const glm::vec3 weight = meeting.beam.weight * lobe.lobe.energy * lobe.color;
+        const bool followed = is_followed(meeting, greatest(weight), &lobe == greatest_lobe);
+        if (followed || lit) {
+            const Branch branch = branch_of(meeting, lobe);
+            light(meeting, branch);
+            if (followed) go_on(meeting, branch, next);
         }
-        const Divergence& before = branch.way == Way::Through ? meeting.beam.divergence : reflected;
-        cut.add(branch.weight, branch.lobe.direction, before.spread_with(branch.lobe.spread));
+        if (followed) continue;
+        const bool through = lobe.way == LayerLobe::Way::Through;
+        const Divergence& before = through ? meeting.beam.divergence : reflected;
+        cut.add(weight, lobe.lobe.direction, before.spread_with(lobe.lobe.spread));
     }
     meeting.radiance += looked_up(cut);
 }
@@ -437,15 +441,14 @@ void BundleTracer::branch_off(const Meeting& meeting, const Branch& branch, bool
         if (beam.interfaces < max_drawn_interfaces) draw(meeting, branch, next);
         return;
     }
-    if (is_followed(meeting, branch, is_greater))
+    if (is_followed(meeting, weight, is_greater))
         go_on(meeting, branch, next);
     else
         meeting.radiance += cut_off(meeting, branch);
 }
 
-// Of the first sample.
-bool BundleTracer::is_followed(const Meeting& meeting, const Branch& branch, bool is_greater) const {
-    const float weight = greatest(branch.weight);
+// Of the first sample. weight: a branch's greatest.
+bool BundleTracer::is_followed(const Meeting& meeting, float weight, bool is_greater) const {
     return meeting.beam.interfaces < settings_.max_interfaces &&
            (weight >= split_weight || (is_greater && weight >= least_weight));
 }

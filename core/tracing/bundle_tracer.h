@@ -79,7 +79,7 @@ class BundleTracer {
               Wave& next) const;
     void meet_layer(const Meeting& meeting, Wave& next) const;
     void branch_off(const Meeting& meeting, const Branch& branch, bool is_greater, Wave& next) const;
-    bool is_followed(const Meeting& meeting, const Branch& branch, bool is_greater) const;
+    bool is_followed(const Meeting& meeting, float weight, bool is_greater) const;
     void go_on(const Meeting& meeting, const Branch& branch, Wave& next) const;
     void light(const Meeting& meeting, const Branch& branch) const;
     float left_part(float roughness) const;

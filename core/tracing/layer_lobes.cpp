@@ -35,19 +35,6 @@ LayerLobes LayerLobes::of(const TracedScene& scene, const Hit& hit, const glm::v
     return result;
 }
 
-// By parts: a lobe that is copied as it was written waits for its memory, half of a coating's time here.
-void LayerLobes::add(LayerLobe::Way way, const model::Lobe& lobe, const glm::vec3& color) {
-    if (lobe.energy <= 0.0F) return;
-    LayerLobe& added = lobes_[count_++];
-    added.way = way;
-    added.lobe.energy = lobe.energy;
-    added.lobe.spread = lobe.spread;
-    for (int axis = 0; axis < 3; ++axis) {
-        added.lobe.direction[axis] = lobe.direction[axis];
-        added.color[axis] = color[axis];
-    }
-}
-
 void LayerLobes::add(LayerLobe::Way way, const model::Fan& fan, const glm::vec3& color) {
     for (const model::Lobe& lobe : fan.lobes) add(way, lobe, color);
 }

@@ -43,7 +43,19 @@ class LayerLobes {
     std::span<const LayerLobe> all() const { return {lobes_.data(), count_}; }
 
   private:
-    void add(LayerLobe::Way way, const model::Lobe& lobe, const glm::vec3& color);
+    // By parts: a lobe that is copied as it was written waits for its memory, which took half of a coating's
+    // time.
+    void add(LayerLobe::Way way, const model::Lobe& lobe, const glm::vec3& color) {
+        if (lobe.energy <= 0.0F) return;
+        LayerLobe& added = lobes_[count_++];
+        added.way = way;
+        added.lobe.energy = lobe.energy;
+        added.lobe.spread = lobe.spread;
+        for (int axis = 0; axis < 3; ++axis) {
+            added.lobe.direction[axis] = lobe.direction[axis];
+            added.color[axis] = color[axis];
+        }
+    }
     void add(LayerLobe::Way way, const model::Fan& fan, const glm::vec3& color);
     void add_pane(const TracedScene& scene, const Material& material, const model::Pane& pane,
                   const glm::vec3& d, const glm::vec3& n);

@@ -45,16 +45,14 @@ class TracedScene {
     // Light that arrives from outside under a lobe of the given spread about a unit direction in world space.
     glm::vec3 incoming_radiance(const glm::vec3& direction, float spread) const {
         return scene_->environment_color *
-               environment_->environment_radiance(glm::normalize(scene_->environment_rotation * direction),
-                                                  spread);
+               environment_->environment_radiance(scene_->environment_rotation * direction, spread);
     }
 
     // The same about many directions, which become those of the map. spreads: as many, or one for all.
     // radiances: as many as directions.
     void incoming_radiance(std::span<glm::vec3> directions, std::span<const float> spreads,
                            std::span<glm::vec3> radiances) const {
-        for (glm::vec3& direction : directions)
-            direction = glm::normalize(scene_->environment_rotation * direction);
+        for (glm::vec3& direction : directions) direction = scene_->environment_rotation * direction;
         environment_->environment_radiance(directions, spreads, radiances);
         for (glm::vec3& radiance : radiances) radiance *= scene_->environment_color;
     }

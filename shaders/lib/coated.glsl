@@ -111,9 +111,11 @@ SHARED Lobe joined_lobe(Lobe lobe, Lobe other, float share) {
     float b = 1.0f - other.spread;
     float mean = mix(a, b, share);
     float apart = clamp(share * (1.0f - share) * a * b * dot(between, between) / max(mean * mean, 1e-6f), 0.0f, 1.0f);
-    lobe.spread = mix(lobe.spread, other.spread, share) + mean * apart / (1.0f + sqrt(1.0f - apart));
-    lobe.direction = normalize((1.0f - share) * a * lobe.direction + share * b * other.direction);
-    return lobe;
+    Lobe joined;
+    joined.energy = lobe.energy;
+    joined.spread = mix(lobe.spread, other.spread, share) + mean * apart / (1.0f + sqrt(1.0f - apart));
+    joined.direction = normalize((1.0f - share) * a * lobe.direction + share * b * other.direction);
+    return joined;
 }
 
 // Factors on light, its energy included.
@@ -121,6 +123,12 @@ struct CoatingColors {
     mat3 groups;    // by group; what is joined is the first bounce's
     float further;  // the share of further bounces in that
 };
+
+// What a layer leaves of light on its way through, in units of its thickness (Beer-Lambert).
+SHARED vec3 left_by_layer(Coating coating, float way) {
+    if (greatest(coating.optical_depth) <= 0.0f) return vec3(1.0f);
+    return exp(-way * coating.optical_depth);
+}
 
 // What the base and the ways through the layer leave.
 SHARED CoatingColors coating_colors(Coating coating, CoatingLight light) {
@@ -130,10 +138,10 @@ SHARED CoatingColors coating_colors(Coating coating, CoatingLight light) {
         vec3 reflectance = coating.diffuse ? coating.base_color
                                            : mean_tinted_reflectance(coating.base_color, coating.edge_tint,
                                                                      light.slant_5, light.slant_6);
-        first = light.energy.y * reflectance * exp(-light.way.x * coating.optical_depth);
+        first = light.energy.y * reflectance * left_by_layer(coating, light.way.x);
         // Each further bounce costs the way of one.
-        vec3 bounce = reflectance * exp((light.way.x - light.way.y) * coating.optical_depth);
-        vec3 color = light.energy.z * reflectance * reflectance * exp(-light.way.y * coating.optical_depth);
+        vec3 bounce = reflectance * left_by_layer(coating, light.way.y - light.way.x);
+        vec3 color = light.energy.z * reflectance * reflectance * left_by_layer(coating, light.way.y);
         for (int i = 2; i <= coating.bounces; ++i) {
             further += color;
             color = color * light.ratio * bounce;

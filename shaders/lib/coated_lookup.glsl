@@ -73,16 +73,27 @@ SHARED Lobe coating_item_lobe(CoatingTable table, CoatingPlace place, int group,
 // as a share of the group's. further: the share of light of the further bounces that is joined with the first one's;
 // else 0.
 SHARED Lobe coating_part(CoatingTable table, CoatingPlace place, int group, int part, float further) {
-    Lobe lobe = coating_item_lobe(table, place, group, part);
-    if (further > 0.0f) lobe = joined_lobe(lobe, coating_item_lobe(table, place, COATING_FURTHER, part), further);
+    Lobe first = coating_item_lobe(table, place, group, part);
+    vec3 direction = normalize(first.direction);
+    float spread = first.spread;
+    if (further > 0.0f) {
+        Lobe joined = joined_lobe(first, coating_item_lobe(table, place, COATING_FURTHER, part), further);
+        direction = joined.direction;
+        spread = joined.spread;
+    }
+    Lobe lobe;
     lobe.energy = 1.0f / float(coating_lobes(table, group));
-    lobe.spread = clamp(lobe.spread, LOBE_MIN_SPREAD, 1.0f);
+    lobe.spread = clamp(spread, LOBE_MIN_SPREAD, 1.0f);
+    lobe.direction = direction;
     return lobe;
 }
 
 // The same in the world, or where side is -1 its mirror image on the other side.
 SHARED Lobe coating_lobe(CoatingPlace place, Lobe part, float side) {
     vec3 d = part.direction;
-    part.direction = normalize(d.x * place.tangent + side * d.y * place.side + d.z * place.n);
-    return part;
+    Lobe lobe;
+    lobe.energy = part.energy;
+    lobe.spread = part.spread;
+    lobe.direction = d.x * place.tangent + side * d.y * place.side + d.z * place.n;
+    return lobe;
 }

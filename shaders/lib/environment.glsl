@@ -26,7 +26,7 @@ SHARED float angle_from_axis(float x, float y) {
     return x < 0.0f ? PI - angle : angle;
 }
 
-// Equirectangular coordinates of a unit direction, as Blender's: u in 0 … 1, 1/2 along +X, falling toward +Y;
+// Equirectangular coordinates of a direction of any length, as Blender's: u in 0 … 1, 1/2 along +X, falling toward +Y;
 // v from 0 at -Z to 1 at +Z.
 SHARED vec2 environment_uv(vec3 direction) {
     float azimuth = angle_from_axis(direction.x, abs(direction.y));
