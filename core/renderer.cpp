@@ -220,15 +220,15 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
     };
     geometry_.clear(targets.front, Faces::NearestFront, {glm::ivec2(0), settings.size});
     const bool has_others = !canvas.groups.empty() && !canvas.groups.front().is_of_panes();
-    std::optional<BehindPanes> behind;
+    const BehindPass* behind = nullptr;
     for (int number = 0; number < static_cast<int>(canvas.groups.size()); ++number) {
         const ViewGroup& group = canvas.groups[number];
-        if (group.is_of_panes() && has_others && !behind) {
+        if (group.is_of_panes() && has_others && behind == nullptr) {
             const gl::PassScope pass("picture behind panes");
             const gl::Timers::Scope timer(timers_, "behind");
             if (!behind_) behind_ = std::make_unique<BehindPass>();
-            behind_->build(inputs, targets.shaded);
-            behind.emplace(behind_->pictures());
+            behind_->build(targets.front.texels(), targets.shaded);
+            behind = behind_.get();
             pass.check();
         }
         const bool has_solids = group.has(MaterialKind::Solid);
@@ -279,8 +279,7 @@ void Renderer::Device::draw_sample(const Scene& scene, const Settings& settings,
         if (materials_.has_thin_layers()) {
             const gl::PassScope pass("thin layers");
             const gl::Timers::Scope timer(timers_, "thin_layers");
-            thin_layers_.draw(inputs, targets.shaded_framebuffer, materials_, behind ? &*behind : nullptr,
-                              group, number);
+            thin_layers_.draw(inputs, targets.shaded_framebuffer, materials_, behind, group, number);
             pass.check();
         }
     }

@@ -3,7 +3,6 @@
 
 #include "core/gl/objects.h"
 #include "core/gl/program.h"
-#include "core/passes/shading.h"
 
 namespace verglas {
 
@@ -12,9 +11,11 @@ namespace verglas {
 class BehindPass {
   public:
     BehindPass();
-    // From the shaded objects and inputs.front, before panes are drawn.
-    void build(const ShadingInputs& inputs, const gl::Texture& shaded);
-    BehindPanes pictures() const { return {radiance_, depth_}; }
+    // From the nearest fronts and what is shaded of them, before panes are drawn.
+    void build(const gl::Texture& front_faces, const gl::Texture& shaded);
+    // As shaders/behind.glsl reads them.
+    const gl::Texture& radiance() const { return radiance_; }
+    const gl::Texture& depth() const { return depth_; }
 
   private:
     gl::Program program_;

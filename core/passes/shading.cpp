@@ -169,7 +169,7 @@ void RefractionPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& ta
 }
 
 void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& target,
-                         const MaterialCache& materials, const BehindPanes* behind, const ViewGroup& group,
+                         const MaterialCache& materials, const BehindPass* behind, const ViewGroup& group,
                          int number) {
     for (const MaterialKind kind : {MaterialKind::Pane, MaterialKind::Coated}) {
         if (!group.has(kind)) continue;
@@ -184,8 +184,8 @@ void ThinLayerPass::draw(const ShadingInputs& inputs, const gl::Framebuffer& tar
         else
             set_texture(shader, "coating_rows", coatings_unit, materials.coating_rows());
         if (has_behind) {
-            set_texture(shader, "behind_radiance", behind_radiance_unit, behind->radiance);
-            set_texture(shader, "behind_depth", behind_depth_unit, behind->depth);
+            set_texture(shader, "behind_radiance", behind_radiance_unit, behind->radiance());
+            set_texture(shader, "behind_depth", behind_depth_unit, behind->depth());
         }
         set_texture(shader, "front_roughness", front_roughness_unit, inputs.front.roughness());
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, materials.buffer().id());

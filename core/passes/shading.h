@@ -7,6 +7,7 @@
 
 #include "core/gl/objects.h"
 #include "core/gl/program.h"
+#include "core/passes/behind.h"
 #include "core/passes/geometry.h"
 #include "core/passes/gpu_scene.h"
 #include "core/passes/pyramid.h"
@@ -69,19 +70,13 @@ class RefractionPass {
     gl::VertexArray empty_;
 };
 
-// What lies behind panes, as shaders/behind.glsl reads it.
-struct BehindPanes {
-    const gl::Texture& radiance;
-    const gl::Texture& depth;
-};
-
 // Shades the front faces of a group that are thin layers: panes and coated surfaces.
 class ThinLayerPass {
   public:
     ThinLayerPass() : empty_(gl::make_vertex_array()) {}
-    // behind: of panes; may be null.
+    // behind: what panes show; may be null.
     void draw(const ShadingInputs& inputs, const gl::Framebuffer& target, const MaterialCache& materials,
-              const BehindPanes* behind, const ViewGroup& group, int number);
+              const BehindPass* behind, const ViewGroup& group, int number);
 
   private:
     const gl::Program& program(MaterialKind kind, Lobes lobes, bool has_behind);
