@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/gl/objects.h"
 
+#include <algorithm>
 #include <array>
+#include <bit>
 
 #include "core/error.h"
 
@@ -45,6 +47,10 @@ Texture::Texture(GLenum format, int width, int height, GLenum filter, int levels
     glTextureParameteri(id(), GL_TEXTURE_MAG_FILTER, static_cast<GLint>(filter));
     glTextureParameteri(id(), GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTextureParameteri(id(), GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
+int mipmap_levels(int width, int height) {
+    return static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(width, height))));
 }
 
 Buffer make_buffer(std::size_t size, const void* data, GLbitfield flags) {

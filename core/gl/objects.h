@@ -65,6 +65,9 @@ class Texture : public Handle<delete_texture> {
     int levels_ = 0;
 };
 
+// Levels of a picture's mipmaps, down to one texel.
+int mipmap_levels(int width, int height);
+
 // Storage that does not change. data may be null.
 Buffer make_buffer(std::size_t size, const void* data, GLbitfield flags = 0);
 

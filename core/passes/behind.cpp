@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/passes/behind.h"
 
-#include <algorithm>
-#include <bit>
-
 namespace verglas {
 
 BehindPass::BehindPass()
@@ -13,7 +10,7 @@ void BehindPass::build(const gl::Texture& front_faces, const gl::Texture& shaded
     const int width = front_faces.width();
     const int height = front_faces.height();
     if (radiance_.width() != width || radiance_.height() != height) {
-        const int levels = static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(width, height))));
+        const int levels = gl::mipmap_levels(width, height);
         radiance_ = gl::Texture(GL_RGBA32F, width, height, GL_LINEAR, levels);
         depth_ = gl::Texture(GL_R32F, width, height, GL_LINEAR, levels);
         framebuffer_ = gl::Framebuffer({{radiance_}, {depth_}});

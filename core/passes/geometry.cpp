@@ -2,7 +2,6 @@
 #include "core/passes/geometry.h"
 
 #include <algorithm>
-#include <bit>
 #include <glm/gtc/type_ptr.hpp>
 #include <string>
 
@@ -55,9 +54,8 @@ bool is_nearest(Faces faces) { return faces == Faces::NearestFront || faces == F
 
 gl::Texture make_class_pyramid(glm::ivec2 size, RoughnessData data, int buffers) {
     if (class_layers(data) == 0) return {};
-    const auto longer = static_cast<unsigned>(std::max(size.x, size.y));
-    const int levels = static_cast<int>(std::bit_width(longer));
-    return {GL_RGBA8, size.x, size.y, GL_LINEAR, levels, buffers * class_layers(data)};
+    return {
+        GL_RGBA8, size.x, size.y, GL_LINEAR, gl::mipmap_levels(size.x, size.y), buffers * class_layers(data)};
 }
 
 GeometryBuffer::GeometryBuffer(glm::ivec2 size, RoughnessData roughness_data,

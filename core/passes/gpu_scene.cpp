@@ -2,7 +2,6 @@
 #include "core/passes/gpu_scene.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <glm/packing.hpp>
 #include <string>
@@ -85,7 +84,7 @@ gl::Texture upload(const TextureOf<Value>& texture, int levels) {
     if (longer > greatest)
         throw Error("Texture '" + texture.name() + "' is " + std::to_string(longer) +
                     " pixels long; the graphics driver takes up to " + std::to_string(greatest) + ".");
-    if (levels == 0) levels = static_cast<int>(std::bit_width(static_cast<unsigned>(longer)));
+    if (levels == 0) levels = gl::mipmap_levels(texture.width(), texture.height());
     const Format format = format_of(texture);
     gl::Texture result(format.stored, texture.width(), texture.height(), GL_LINEAR, levels);
     glTextureParameteri(result.id(), GL_TEXTURE_WRAP_S, wrap_of(texture.extension()));

@@ -2,7 +2,6 @@
 #include "core/passes/pyramid.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace verglas {
 PyramidPass::PyramidPass()
@@ -14,7 +13,7 @@ void PyramidPass::build(const gl::Texture& back_faces) {
     if (normals_.width() != back_faces.width() || normals_.height() != back_faces.height()) {
         const int width = back_faces.width();
         const int height = back_faces.height();
-        const int levels = static_cast<int>(std::bit_width(static_cast<unsigned>(std::max(width, height))));
+        const int levels = gl::mipmap_levels(width, height);
         normals_ = gl::Texture(GL_RGBA16F, width, height, GL_LINEAR, levels);
         depths_ = gl::Texture(GL_RG32F, width, height, GL_NEAREST, levels);
         framebuffers_.clear();
